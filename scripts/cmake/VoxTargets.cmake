@@ -1,0 +1,111 @@
+# The four verbs every CMakeLists.txt here is written in: vox_library, vox_service, vox_test, vox_fuzz;
+# vox_bench beside them, and vox_lcm_types for lcmtypes/.
+
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
+
+# presets: scripts/build passes VOX_SANITIZE=address|thread for asan and tsan.
+set(VOX_SANITIZE "" CACHE STRING "address, thread or empty")
+
+add_library(vox_flags INTERFACE)
+target_compile_features(vox_flags INTERFACE cxx_std_20)
+target_compile_options(vox_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Werror)
+# A fused multiply-add rounds once where two operations round twice: with it the cells a ray crosses
+# would depend on the compiler and the processor. The same scan must give the same bytes anywhere.
+add_compile_options(-ffp-contract=off)
+if(VOX_SANITIZE STREQUAL "address")
+  add_compile_options(-fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  add_link_options(-fsanitize=address,undefined)
+elseif(VOX_SANITIZE STREQUAL "thread")
+  add_compile_options(-fsanitize=thread -fno-omit-frame-pointer)
+  add_link_options(-fsanitize=thread)
+endif()
+
+# vox_library(grid SOURCES tile_key.cpp DEPS vox::base Eigen3::Eigen)   ->   target vox::grid
+function(vox_library name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;DEPS;PRIVATE_DEPS")
+  if(arg_SOURCES)
+    add_library(vox_${name} STATIC ${arg_SOURCES})
+    target_include_directories(vox_${name} PUBLIC ${PROJECT_SOURCE_DIR}/libs)
+    target_link_libraries(vox_${name} PUBLIC ${arg_DEPS} PRIVATE vox_flags ${arg_PRIVATE_DEPS})
+    target_compile_features(vox_${name} PUBLIC cxx_std_20)
+  else()
+    add_library(vox_${name} INTERFACE)
+    target_include_directories(vox_${name} INTERFACE ${PROJECT_SOURCE_DIR}/libs)
+    target_link_libraries(vox_${name} INTERFACE ${arg_DEPS})
+  endif()
+  add_library(vox::${name} ALIAS vox_${name})
+endfunction()
+
+# vox_service(compress SOURCES compress_service.cpp DEPS vox::codec vox::bus)
+#   -> library vox::compress_service (all sources, testable) and the process, built from main.cpp:
+#      voxatlas-compress, or NAME where given (the command line is `voxatlas`).
+function(vox_service name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "NAME" "SOURCES;DEPS")
+  if(NOT arg_NAME)
+    set(arg_NAME voxatlas-${name})
+  endif()
+  add_library(vox_${name}_service STATIC ${arg_SOURCES})
+  target_include_directories(vox_${name}_service PUBLIC ${PROJECT_SOURCE_DIR}/services
+                                                        ${PROJECT_SOURCE_DIR}/libs)
+  target_link_libraries(vox_${name}_service PUBLIC ${arg_DEPS} PRIVATE vox_flags CLI11::CLI11)
+  add_library(vox::${name}_service ALIAS vox_${name}_service)
+  add_executable(vox_${name}_main main.cpp)
+  set_target_properties(vox_${name}_main PROPERTIES OUTPUT_NAME ${arg_NAME})
+  target_link_libraries(vox_${name}_main PRIVATE vox_${name}_service vox_flags CLI11::CLI11)
+endfunction()
+
+# vox_test(grid SOURCES tile_key_test.cpp DEPS vox::grid)   ->   ctest "unit_grid", one binary a room
+function(vox_test name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "TIMEOUT" "SOURCES;DEPS")
+  if(NOT arg_TIMEOUT)
+    set(arg_TIMEOUT 300)
+  endif()
+  add_executable(unit_${name} ${arg_SOURCES})
+  target_link_libraries(unit_${name} PRIVATE vox_test_support ${arg_DEPS} vox_flags)
+  add_test(NAME unit_${name} COMMAND unit_${name})
+  set_tests_properties(unit_${name} PROPERTIES TIMEOUT ${arg_TIMEOUT} SKIP_RETURN_CODE 77)
+endfunction()
+
+# vox_fuzz(tile_key_fuzz.cpp DEPS vox::grid)
+#   A libFuzzer target where the compiler has libFuzzer (clang, VOX_FUZZ=ON); everywhere, a program
+#   that replays files and then a fixed number of seeded mutations of them: ctest "fuzz_tile_key".
+function(vox_fuzz source)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "CORPUS" "DEPS")
+  get_filename_component(stem ${source} NAME_WE)
+  string(REGEX REPLACE "_fuzz$" "" name ${stem})
+  add_executable(fuzz_${name} ${source} ${PROJECT_SOURCE_DIR}/tests/support/fuzz_replay.cpp)
+  target_link_libraries(fuzz_${name} PRIVATE ${arg_DEPS} vox_flags)
+  add_test(NAME fuzz_${name} COMMAND fuzz_${name} ${arg_CORPUS})
+  set_tests_properties(fuzz_${name} PROPERTIES TIMEOUT 120)
+endfunction()
+
+# vox_bench(import SOURCES import_bench.cpp DEPS vox::integrate)   ->   bin/bench_import
+function(vox_bench name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;DEPS")
+  add_executable(bench_${name} ${arg_SOURCES})
+  target_link_libraries(bench_${name} PRIVATE ${arg_DEPS} vox_flags CLI11::CLI11)
+endfunction()
+
+# vox_lcm_types(lcmtypes scan_t.lcm ...)   ->   target vox::lcmtypes, headers <voxatlas/scan_t.hpp>
+function(vox_lcm_types name)
+  set(out ${CMAKE_CURRENT_BINARY_DIR}/generated)
+  set(headers)
+  foreach(file IN LISTS ARGN)
+    get_filename_component(type ${file} NAME_WE)
+    set(header ${out}/voxatlas/${type}.hpp)
+    add_custom_command(
+      OUTPUT ${header}
+      COMMAND ${LCM_GEN} --cpp --cpp-std c++11 --cpp-hpath ${out} ${CMAKE_CURRENT_SOURCE_DIR}/${file}
+      DEPENDS ${file}
+      VERBATIM)
+    list(APPEND headers ${header})
+  endforeach()
+  add_custom_target(vox_${name}_generated DEPENDS ${headers})
+  add_library(vox_${name} INTERFACE)
+  add_dependencies(vox_${name} vox_${name}_generated)
+  target_include_directories(vox_${name} SYSTEM INTERFACE ${out})
+  target_link_libraries(vox_${name} INTERFACE vox::lcm)
+  add_library(vox::${name} ALIAS vox_${name})
+endfunction()
