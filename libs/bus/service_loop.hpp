@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/result.hpp"
+#include "bus/bus.hpp"
+
+namespace voxatlas {
+
+/// Sets the flag that stop_requested() reads, on SIGINT and SIGTERM. Once, in main.
+void stop_on_signals();
+bool stop_requested();
+
+/// The one loop of a service: waits for any of its connections, runs their handlers, then `work`,
+/// until a signal asks to stop or `work` says so.
+///
+/// Threads: everything runs on the calling thread.
+/// Errors:  a bus that can no longer be read ends the loop with its error.
+struct ServiceLoop {
+  std::vector<Bus*> buses;
+  /// Called after every wake-up and at least every 500 ms. Returns when it wants to be called again
+  /// at the latest (steady microseconds), or an error that ends the loop.
+  std::function<Result<std::int64_t>(std::int64_t now)> work;
+
+  Status run();
+};
+
+/// What a service tells of itself twice a second (status_t).
+class StatusPublisher {
+ public:
+  StatusPublisher(Bus& bus, std::string service, std::int32_t index);
+
+  void set_state(bool ready, std::string state);
+  /// Publishes where half a second has passed since the last time, or the state has changed.
+  /// `counters` is called only then.
+  Status pump(std::int64_t now,
+              const std::function<std::vector<std::pair<std::string, double>>()>& counters);
+
+ private:
+  Bus& bus_;
+  status_t status_;
+  std::int64_t last_sent_ = 0;
+  bool changed_ = true;
+};
+
+}  // namespace voxatlas

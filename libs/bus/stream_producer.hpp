@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "base/bytes.hpp"
+#include "bus/message_kind.hpp"
+#include "bus/wire.hpp"
+
+namespace voxatlas {
+
+struct StreamConfig {
+  std::size_t chunk_bytes = 59'000;  ///< Data in a chunk; with its header below 60 000.
+  std::size_t send_buffer_bytes = std::size_t{64}
+                                  << 20;  ///< Held until committed; offer() refuses above.
+  std::int64_t rto_us = 20'000;           ///< First retransmission time-out; doubles when silent,
+  std::int64_t rto_max_us = 500'000;      ///< up to this.
+};
+
+/// The sending end of a reliable stream: a state machine without clock, thread or socket.
+///
+/// Source:  DESIGN section 6 (credit, cumulative acknowledgement, ranged nacks, probes).
+/// Time:    microseconds of one steady clock, given with each call.
+/// Promise: every message offered arrives at the consumer at least once, whole and in order, as
+/// long as
+///          both go on; a message is held until the consumer has committed it, so that a consumer
+///          that lost its memory gets it again.
+/// Memory:  send_buffer_bytes plus one message.
+/// Threads: one at a time.
+class StreamProducer {
+ public:
+  StreamProducer(std::int64_t session, const StreamConfig& config);
+  ~StreamProducer();
+
+  /// Whether offer() would take a message now.
+  bool has_room() const;
+  /// Queues a message and returns its number (0, 1, 2, ...); has_room() must hold. A message may be
+  /// larger than the send buffer when the buffer is empty.
+  std::int64_t offer(MessageKind kind, Bytes payload);
+
+  void on_ack(const ack_t& ack, std::int64_t now);
+
+  /// The chunks to send now, new, again, or a probe; at most `limit` at once.
+  std::vector<chunk_t> poll(std::int64_t now, std::size_t limit = 16);
+  /// When poll() has something to do even if nothing comes in; INT64_MAX: never.
+  std::int64_t next_poll(std::int64_t now) const;
+
+  std::int64_t session() const;
+  std::int64_t committed_messages() const;  ///< Every message below this number is committed.
+  std::int64_t offered_messages() const;
+  std::size_t held_bytes() const;
+  /// When the consumer was last heard of; 0: never.
+  std::int64_t last_heard() const;
+
+  struct Counters {
+    std::uint64_t chunks_sent = 0, chunks_resent = 0, probes = 0, acks = 0, consumer_restarts = 0;
+  };
+  const Counters& counters() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace voxatlas
