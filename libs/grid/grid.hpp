@@ -25,7 +25,9 @@ struct Box {
 /// Frame:   ECEF (WGS 84), metres. The index cube is centred on the Earth's centre.
 /// Borders: a voxel, and so a tile, owns its lower faces; the cube's upper faces are outside.
 ///          voxel = floor(x * k) + half: the double nearest n / 10 lands on voxel n exactly,
-///          whereas (x + half) / 0.1 misplaces 36 % of the borders.
+///          whereas (x + half) / 0.1 misplaces 36 % of the borders. x * k gives n back where k is
+///          a sum of two powers of two (Kahan), so for 10; where it is not (7, 11, 13, 14, 15, 19)
+///          one look at the border above mends what rounding took, and n / k lands on n too.
 /// Errors:  kOutOfRange off the cube, for NaN and infinities, with the value in the message.
 /// Cost:    a small value; safe to share between threads.
 class Grid {
@@ -45,7 +47,12 @@ class Grid {
   [[nodiscard]] Result<TileKey> tile_at(const Eigen::Vector3d& p_ecef) const;
   /// The same without the checks, for points known to lie on the cube; any finite input below 2^30
   /// cells gives a value, on the cube or not.
-  VoxelIndex voxel_unchecked(const Eigen::Vector3d& p_ecef) const;
+  VoxelIndex voxel_unchecked(const Eigen::Vector3d& p_ecef) const {
+    return {axis_voxel(p_ecef.x()), axis_voxel(p_ecef.y()), axis_voxel(p_ecef.z())};
+  }
+  /// The point in voxels, with its fraction, as Walk wants it: x * k + half, held inside the voxel
+  /// that voxel_unchecked() gives (adding half rounds, and may round up to the next border).
+  Eigen::Vector3d to_voxels(const Eigen::Vector3d& p_ecef) const;
   bool holds(const VoxelIndex& voxel) const;
 
   /// The tile of a voxel of this grid, and the voxel's place in it, each axis 0..127.
@@ -71,9 +78,18 @@ class Grid {
  private:
   explicit Grid(int cells_per_metre);
 
+  std::int32_t axis_voxel(double x_ecef) const {
+    const double scaled = x_ecef * cells_per_metre_;
+    auto n = static_cast<std::int32_t>(scaled);  // Towards zero; one less is the floor below it.
+    if (scaled < n) --n;
+    if (!product_exact_ && static_cast<double>(n + 1) / cells_per_metre_ <= x_ecef) ++n;
+    return n + half_voxels_;
+  }
+
   int cells_per_metre_;
   std::uint32_t tiles_per_axis_;
   std::int32_t half_voxels_;
+  bool product_exact_;  // (n / k) * k == n in double for every n.
 };
 
 }  // namespace voxatlas

@@ -15,7 +15,7 @@ struct IndexSpec {
 };
 
 /// Errors: kOutOfRange where r_max or r_tile is not finite, not positive, or r_tile < r_max, or
-///         where d_tile would exceed 30.
+///         where d_tile would exceed 30, or an axis 2^53 tiles.
 Result<IndexSpec> index_spec(double r_tile, double r_max);
 
 /// Eq. (1): edge length of a cube whose cells at depth d are r wide: r * 2^d.

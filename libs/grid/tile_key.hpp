@@ -1,7 +1,9 @@
 #pragma once
 
 #include <compare>
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 
 #include "base/result.hpp"
 #include "grid/morton.hpp"
@@ -13,9 +15,8 @@ namespace voxatlas {
 /// Source:  the paper's section 3.2.
 /// Units:   tiles, counted from the lower corner of the index cube, for index().
 /// Errors:  the factories return kOutOfRange for an axis of 2^21 or more and a code of 2^63 or
-/// more.
-///          Whether a key lies on a certain grid (10^6 tiles an axis at 10 cm) is the Grid's to
-///          say.
+///          more. Whether a key lies on a certain grid (10^6 tiles an axis at 10 cm) is the Grid's
+///          to say.
 /// Cost:    8 bytes, copied by value.
 class TileKey {
  public:
@@ -30,6 +31,7 @@ class TileKey {
   friend auto operator<=>(TileKey, TileKey) = default;
 
  private:
+  friend class Grid;  // Its voxels are checked once; their keys need no second check.
   explicit TileKey(std::uint64_t code) : code_(code) {}
 
   std::uint64_t code_;

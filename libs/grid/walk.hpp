@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <cmath>
 #include <cstdint>
 #include <limits>
 
@@ -11,10 +10,10 @@ namespace voxatlas {
 
 /// The cells a segment passes, from its origin's to its end's, both included, each once.
 ///
-/// Source:  Amanatides and Woo 1987 (the paper's sections 4.1).
-/// Units:   voxels (metres times cells per metre, plus half_voxels) for origin and end; the walk
-/// may
-///          go in cells of 2^shift voxels, shift 0..7: cells then are voxel index >> shift.
+/// Source:  Amanatides and Woo 1987 (the paper's section 4.1).
+/// Units:   voxels (Grid::to_voxels) for origin and end; the walk may go in cells of 2^shift
+/// voxels,
+///          shift 0..7: cells then are voxel index >> shift.
 /// Borders: a cell owns its lower faces. The walk takes exactly |cell(end) - cell(origin)| steps on
 ///          each axis, so that it always ends in the end's cell; each step is on the axis whose
 ///          next border has the smallest t = (border - origin) / (end - origin), ties x before y
@@ -32,7 +31,35 @@ class Walk {
   std::int64_t remaining() const { return remaining_; }
 
   /// Steps to the next cell; remaining() must be positive. Returns the axis stepped on.
-  int step();
+  int step() {
+    const int axis = t_[0] <= t_[1] ? (t_[0] <= t_[2] ? 0 : 2)
+                                    : (t_[1] <= t_[2] ? 1 : 2);  // x before y before z.
+    cell_[axis] += direction_[axis];
+    border_[axis] += stride_[axis];  // Whole numbers below 2^30: exact.
+    --left_[axis];
+    --remaining_;
+    aim(axis);
+    return axis;
+  }
+
+ private:
+  static constexpr double kLimit = 1 << 29;
+
+  /// Looks at the next border of an axis; an axis that has made its steps has none.
+  void aim(int axis) {
+    t_[axis] = left_[axis] > 0 ? (border_[axis] - origin_[axis]) * inverse_[axis]
+                               : std::numeric_limits<double>::infinity();
+  }
+
+  Eigen::Vector3d t_;        // Of the next border on each axis, 0 at the origin, 1 at the end.
+  Eigen::Vector3d border_;   // That border, voxels.
+  Eigen::Vector3d origin_;   // Voxels.
+  Eigen::Vector3d inverse_;  // 1 / (end - origin); infinite, and never used, where they are equal.
+  Eigen::Vector3d stride_;   // From border to border: +-2^shift.
+  Eigen::Vector3i cell_;
+  Eigen::Vector3i direction_;
+  Eigen::Vector3i left_;  // Steps still to go on each axis.
+  std::int64_t remaining_ = 0;
 };
 
 }  // namespace voxatlas
