@@ -15,6 +15,7 @@ namespace voxatlas {
 /// How scans become cells. Part of a model's parameters: all ingests of a model use the same.
 struct IntegrationParameters {
   static constexpr int kNoFreeSpace = -1;
+  static constexpr double kLongestRange = 1000;
 
   int free_depth = 4;          ///< Depth of free space, 0..7, or kNoFreeSpace: surface only.
   int surface_depth = kDepth;  ///< No hit goes deeper than this, 0..7.
@@ -55,9 +56,9 @@ struct ScanDelta {
 ///          max_range the cut ray's end cell is left alone. A cell's colour is the mean, rounded to
 ///          nearest, of its coloured points.
 /// Result:  depends on nothing but the scan and the parameters: the same bytes anywhere.
-/// Errors:  kOutOfRange for a sigma eq. (5) refuses, an origin off the cube, or colours whose
-/// number
-///          differs from the endpoints'; nothing is integrated then.
+/// Errors:  kOutOfRange for a sigma eq. (5) refuses, an origin off the cube, a min_range that is
+///          negative or NaN, or colours whose number differs from the endpoints'; nothing is
+///          integrated then.
 /// Threads: one scan at a time; it keeps its buffers between scans. Use one a worker.
 class Integrator {
  public:

@@ -1,0 +1,144 @@
+#include "integrate/integrator.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/check.hpp"
+#include "integrate/carve.hpp"
+#include "integrate/colour_means.hpp"
+#include "integrate/fold.hpp"
+#include "integrate/marks.hpp"
+#include "integrate/quality.hpp"
+
+namespace voxatlas {
+namespace {
+
+/// What is to be done with one endpoint.
+struct Ray {
+  enum Kind { kHit, kBeyondMax, kBelowMin, kNotFinite, kOffCube } kind;
+  Eigen::Vector3d end_ecef;  ///< Cut at max_range; set for the first two kinds.
+  VoxelIndex end_voxel;      ///< Of `end_ecef`.
+};
+
+/// A point as the walk takes it, in voxels. Its floor is the point's voxel: adding half of the cube
+/// can round the last nanometre before a border up to the border.
+Eigen::Vector3d in_voxels(const Grid& grid, const Eigen::Vector3d& p_ecef,
+                          const VoxelIndex& voxel) {
+  Eigen::Vector3d p = p_ecef * grid.cells_per_metre() +
+                      Eigen::Vector3d::Constant(static_cast<double>(grid.half_voxels()));
+  for (int axis = 0; axis < 3; ++axis) {
+    const double upper = voxel[axis] + 1;
+    if (p[axis] >= upper) p[axis] = std::nextafter(upper, 0.0);
+  }
+  return p;
+}
+
+/// A point `range` metres from the origin towards `end`. Scaled first, as a hostile endpoint's
+/// squares may overflow.
+Eigen::Vector3d cut(const Eigen::Vector3d& origin, const Eigen::Vector3d& end, double range) {
+  Eigen::Vector3d towards = end - origin;
+  towards /= towards.cwiseAbs().maxCoeff();
+  return origin + towards * (range / towards.norm());
+}
+
+Ray classify(const Grid& grid, const Eigen::Vector3d& origin, const Eigen::Vector3d& end,
+             double min_range, double max_range) {
+  if (!end.allFinite()) return {Ray::kNotFinite, {}, {}};
+  const double length = (end - origin).norm();  // Infinite where the squares overflow: beyond max.
+  if (length < min_range) return {Ray::kBelowMin, {}, {}};
+  Ray ray{length > max_range ? Ray::kBeyondMax : Ray::kHit, end, {}};
+  if (ray.kind == Ray::kBeyondMax) ray.end_ecef = cut(origin, end, max_range);
+  ray.end_voxel = grid.voxel_unchecked(ray.end_ecef);
+  if (!grid.holds(ray.end_voxel)) ray.kind = Ray::kOffCube;
+  return ray;
+}
+
+void count(IntegrationCounts& counts, Ray::Kind kind) {
+  ++counts.rays;
+  counts.hits += kind == Ray::kHit;
+  counts.beyond_max += kind == Ray::kBeyondMax;
+  counts.below_min += kind == Ray::kBelowMin;
+  counts.not_finite += kind == Ray::kNotFinite;
+  counts.off_cube += kind == Ray::kOffCube;
+}
+
+Status check_scan(const Scan& scan) {
+  if (!(scan.min_range >= 0)) {
+    return fail(ErrorCode::kOutOfRange,
+                fmt::format("scan's min_range {} m is negative", scan.min_range));
+  }
+  if (!scan.colours.empty() && scan.colours.size() != scan.endpoints_ecef.size()) {
+    return fail(ErrorCode::kOutOfRange,
+                fmt::format("scan has {} colours for {} endpoints", scan.colours.size(),
+                            scan.endpoints_ecef.size()));
+  }
+  return {};
+}
+
+}  // namespace
+
+struct Integrator::State {
+  Grid grid;
+  IntegrationParameters parameters;
+  Marks misses, hits;
+  ColourMeans colours;
+  std::vector<ColourMeans::Seen> seen;
+
+  /// Marks every cell of the scan's rays.
+  IntegrationCounts mark(const Scan& scan, const VoxelIndex& origin_voxel);
+};
+
+IntegrationCounts Integrator::State::mark(const Scan& scan, const VoxelIndex& origin_voxel) {
+  IntegrationCounts counts;
+  const Eigen::Vector3d origin = in_voxels(grid, scan.origin_ecef, origin_voxel);
+  const double min_range = std::max(parameters.min_range, scan.min_range);
+  const bool carves = parameters.free_depth != IntegrationParameters::kNoFreeSpace;
+  const int hit_shift = kDepth - hits.depth();
+  for (std::size_t i = 0; i < scan.endpoints_ecef.size(); ++i) {
+    const auto ray =
+        classify(grid, scan.origin_ecef, scan.endpoints_ecef[i], min_range, parameters.max_range);
+    count(counts, ray.kind);
+    if (ray.kind == Ray::kHit) {
+      const auto& voxel = ray.end_voxel;
+      const auto place =
+          set_mark(hits, {voxel.x() >> hit_shift, voxel.y() >> hit_shift, voxel.z() >> hit_shift});
+      if (!scan.colours.empty()) seen.push_back({place, scan.colours[i]});
+    } else if (ray.kind != Ray::kBeyondMax) {
+      continue;
+    }
+    if (carves) carve(origin, in_voxels(grid, ray.end_ecef, ray.end_voxel), misses);
+  }
+  return counts;
+}
+
+Integrator::Integrator(const Grid& grid, const IntegrationParameters& parameters)
+    : state_(new State{grid, parameters, {}, {}, {}, {}}) {
+  VOX_CHECK(parameters.check().has_value());
+}
+
+Integrator::~Integrator() = default;
+
+Result<ScanDelta> Integrator::integrate(const Scan& scan) {
+  auto depth = integration_depth(scan.sigma, state_->grid.tile_length());
+  if (!depth) return pass_on(depth);
+  auto usable = check_scan(scan);
+  if (!usable) return pass_on(usable);
+  auto origin_voxel = state_->grid.voxel_at(scan.origin_ecef);
+  if (!origin_voxel) return pass_on(origin_voxel, "scan's origin");
+
+  const auto& parameters = state_->parameters;
+  state_->misses.reset(std::clamp(parameters.free_depth, 0, *depth));
+  state_->hits.reset(std::min(parameters.surface_depth, *depth));
+  state_->colours.clear();
+  state_->seen.clear();
+
+  const auto counts = state_->mark(scan, *origin_voxel);
+  if (!state_->seen.empty()) state_->colours.sum(state_->hits, state_->seen);
+  auto delta = fold(state_->misses, state_->hits, state_->colours);
+  delta.counts += counts;
+  return delta;
+}
+
+}  // namespace voxatlas
