@@ -1,0 +1,231 @@
+"""The set of services as processes: starts them, sees that they live, stops them in order.
+
+Used by scripts/up, scripts/demo and tests/system. A service leads a session of its own (a Ctrl-C on
+the terminal reaches only the one who supervises), it gets SIGTERM if its supervisor dies, and all
+it prints goes to DATA_DIR/logs/NAME.log. Waiting is for facts: a process that ends, and the
+services' own word on the bus that they are ready.
+"""
+
+import ctypes
+import os
+import pathlib
+import queue
+import signal
+import subprocess
+import tempfile
+import threading
+
+from bus import Bus
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+# Those that send stop before those that receive, and the bus last; they start the other way round.
+STOP_ORDER = ["ingest", "render", "compress", "tilestore", "hub"]
+STOP_SECONDS = 60
+READY_SECONDS = 60
+PR_SET_PDEATHSIG = 1
+_libc = ctypes.CDLL(None)
+
+
+class SetError(Exception):
+    """The set cannot go on; the message is for a person."""
+
+
+def default_bin_dir():
+    return pathlib.Path(os.environ.get("VOX_BIN_DIR") or ROOT / "build" / "release" / "bin")
+
+
+def start_process(command, env, ended, **options):
+    """Starts a process that ends with its parent and puts itself into `ended` when it ends."""
+    process = subprocess.Popen([str(part) for part in command], env=env, stdin=subprocess.DEVNULL,
+                               preexec_fn=_end_with_parent, **options)
+
+    def tell():
+        process.wait()
+        ended.put(process)
+
+    threading.Thread(target=tell, daemon=True).start()
+    return process
+
+
+def _end_with_parent():
+    _libc.prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
+
+
+def end_in_words(process):
+    if process.returncode < 0:
+        return f"was ended by {signal.Signals(-process.returncode).name}"
+    return f"ended with exit code {process.returncode}"
+
+
+class Service:
+    """One process of the set."""
+
+    def __init__(self, kind, index, command, log_path, env):
+        self.kind = kind
+        self.name = f"{kind} {index}"
+        self.command = command
+        self.log_path = log_path
+        self.env = env
+        self.process = None
+
+    def start(self, ended):
+        with open(self.log_path, "ab") as log:
+            self.process = start_process(self.command, self.env, ended, stdout=log, stderr=log,
+                                         start_new_session=True)
+
+    def is_running(self):
+        return self.process is not None and self.process.poll() is None
+
+    def signal(self, number):
+        if self.is_running():
+            os.kill(self.process.pid, number)
+
+    def kill(self):
+        """Ends it at once, as a crash would, and waits until it is gone."""
+        self.process.kill()
+        self.process.wait()
+
+    def obituary(self, count=12):
+        lines = self.log_path.read_text(encoding="utf-8", errors="replace").splitlines()[-count:]
+        quoted = "\n".join(f"    {line}" for line in lines)
+        return f"{self.name} {end_in_words(self.process)}; last in {self.log_path}:\n{quoted}"
+
+
+class ServiceSet:
+    """`with ServiceSet(DIR) as services:` all are ready inside the block and stopped after it."""
+
+    def __init__(self, data_dir, bin_dir=None, url=None, hub=False, stores=1, ingests=1,
+                 compressors=1, renders=1, store_options=(), ready_seconds=READY_SECONDS):
+        self.data_dir = pathlib.Path(data_dir).absolute()
+        self.bin_dir = pathlib.Path(bin_dir or default_bin_dir())
+        self.counts = {"tilestore": stores, "compress": compressors, "ingest": ingests,
+                       "render": renders}
+        self.store_options = list(store_options)
+        self.ready_seconds = ready_seconds
+        self.wanted = {"url": url, "hub": hub}
+        self.bus = None
+        self.services = []
+        self.ended = queue.SimpleQueue()
+
+    def __enter__(self):
+        try:
+            self.start()
+        except BaseException:
+            self.stop()
+            raise
+        return self
+
+    def __exit__(self, kind, value, trace):
+        failed = self.stop()
+        if failed and kind is None:
+            raise SetError("\n".join(failed))
+
+    # --- start ---
+
+    def start(self):
+        """Starts all and returns when each has said on the bus that it is ready."""
+        if not (self.bin_dir / "voxatlas-hub").exists():
+            raise SetError(f"no programs in {self.bin_dir}: run scripts/build first")
+        try:
+            (self.data_dir / "logs").mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise SetError(f"data folder {self.data_dir}: {error.strerror}") from error
+        self.bus = Bus.find(self.bin_dir, **self.wanted)
+        self.services = self._all_services()
+        for service in self.services:
+            service.start(self.ended)
+        self.wait_until_ready()
+
+    def _all_services(self):
+        services = []
+        if self.bus.hub_port:
+            services.append(self._service("hub", 0, "--port", self.bus.hub_port))
+        stores = self.counts["tilestore"]
+        for shard in range(stores):
+            services.append(self._service(
+                "tilestore", shard, "--url", self.bus.url, "--data-dir", self.data_dir, "--shard",
+                shard, "--shards", stores, *self.store_options))
+        for kind in ("compress", "ingest", "render"):
+            for index in range(self.counts[kind]):
+                services.append(self._service(kind, index, "--url", self.bus.url, "--index", index,
+                                              "--stores", stores))
+        return services
+
+    def _service(self, kind, index, *options):
+        return Service(kind, index, [self.bin_dir / f"voxatlas-{kind}", *options],
+                       self.data_dir / "logs" / f"{kind}-{index}.log", self.env())
+
+    def env(self):
+        """What each program of the set, and each that talks to it, sees."""
+        return {**os.environ, "LCM_DEFAULT_URL": self.bus.url}
+
+    def wait_until_ready(self):
+        self.run("watch", "status", "--until-ready", sum(self.counts.values()), "--timeout",
+                 self.ready_seconds, quiet=True)
+
+    # --- while it runs ---
+
+    def find(self, kind, index=0):
+        return next(service for service in self.services if service.name == f"{kind} {index}")
+
+    def begin(self, *arguments, **options):
+        """Starts the command line, `voxatlas ARGUMENTS...`, on this set's bus."""
+        return start_process([self.bin_dir / "voxatlas", *arguments], self.env(), self.ended,
+                             **options)
+
+    def run(self, *arguments, quiet=False):
+        """Runs `voxatlas ARGUMENTS...` to its end and returns what it printed.
+
+        quiet:  what it says on stderr is shown only if it fails.
+        Errors: SetError where it fails, and as soon as a service ends beside it.
+        """
+        with tempfile.TemporaryFile("w+") as out, tempfile.TemporaryFile("w+") as err:
+            process = self.begin(*arguments, stdout=out, stderr=err if quiet else None)
+            self.wait_for(process)
+            out.seek(0)
+            err.seek(0)
+            if process.returncode != 0:
+                command = " ".join(map(str, ["voxatlas", *arguments]))
+                raise SetError(f"{command} {end_in_words(process)}\n{err.read()}".rstrip())
+            return out.read()
+
+    def wait_for(self, process):
+        """Returns when `process` has ended; ends it, with SetError, when a service ends first."""
+        try:
+            while process.poll() is None:
+                self.check_alive()
+                self.ended.get()
+        finally:
+            if process.poll() is None:
+                process.kill()
+                process.wait()
+
+    def check_alive(self):
+        for service in self.services:
+            if not service.is_running():
+                raise SetError(service.obituary())
+
+    # --- stop ---
+
+    def stop(self):
+        """Stops all, in order, and waits for each. Returns what did not end well, in words."""
+        failed = []
+        for kind in STOP_ORDER:
+            running = [s for s in self.services if s.kind == kind and s.is_running()]
+            for service in running:
+                service.signal(signal.SIGTERM)
+            for service in running:
+                failed += self._wait_for_stop(service)
+        self.services = []
+        if self.bus:
+            self.bus.leave()
+        return failed
+
+    @staticmethod
+    def _wait_for_stop(service):
+        try:
+            service.process.wait(STOP_SECONDS)
+        except subprocess.TimeoutExpired:
+            service.kill()
+            return [f"{service.name} did not stop within {STOP_SECONDS} s and was killed"]
+        return [] if service.process.returncode == 0 else [service.obituary()]

@@ -1,0 +1,47 @@
+"""What every system test begins with: the scripts' modules, a temporary folder, skipping.
+
+A test file ends with `harness.main()`. CTest runs it in a network namespace of its own
+(scripts/in_namespace), with VOX_BIN_DIR naming the programs; by hand: the same script, the same way.
+"""
+
+import os
+import pathlib
+import sys
+import tempfile
+import unittest
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent.parent.parent
+SCRIPTS = ROOT / "scripts"
+sys.path.insert(0, str(SCRIPTS / "lib"))
+SKIPPED = 77
+
+
+class SystemTest(unittest.TestCase):
+    """A test with a temporary folder, `self.folder`, shown with its logs if the test fails."""
+
+    def setUp(self):
+        keeper = tempfile.TemporaryDirectory(prefix="voxatlas-test-")
+        self.addCleanup(keeper.cleanup)
+        self.folder = pathlib.Path(keeper.name)
+        self.addCleanup(self.show_logs_of_a_failure)
+
+    def show_logs_of_a_failure(self):
+        outcome = self._outcome.result
+        if not any(test is self for test, _ in outcome.failures + outcome.errors):
+            return
+        for log in sorted(self.folder.glob("**/logs/*.log")):
+            lines = log.read_text(encoding="utf-8", errors="replace").splitlines()[-30:]
+            print(f"--- {log}", *lines, sep="\n", file=sys.stderr)
+
+
+def multicast_here():
+    """Whether this process has a network namespace of its own, with multicast on lo."""
+    return os.environ.get("VOX_NAMESPACE") == "1"
+
+
+def main():
+    program = unittest.main(exit=False, verbosity=2)
+    if not program.result.wasSuccessful():
+        sys.exit(1)
+    everything_skipped = len(program.result.skipped) == program.result.testsRun
+    sys.exit(SKIPPED if everything_skipped else 0)
