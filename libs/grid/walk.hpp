@@ -12,8 +12,7 @@ namespace voxatlas {
 ///
 /// Source:  Amanatides and Woo 1987 (the paper's section 4.1).
 /// Units:   voxels (Grid::to_voxels) for origin and end; the walk may go in cells of 2^shift
-/// voxels,
-///          shift 0..7: cells then are voxel index >> shift.
+///          voxels, shift 0..7: cells then are voxel index >> shift.
 /// Borders: a cell owns its lower faces. The walk takes exactly |cell(end) - cell(origin)| steps on
 ///          each axis, so that it always ends in the end's cell; each step is on the axis whose
 ///          next border has the smallest t = (border - origin) / (end - origin), ties x before y
@@ -32,8 +31,8 @@ class Walk {
 
   /// Steps to the next cell; remaining() must be positive. Returns the axis stepped on.
   int step() {
-    const int axis = t_[0] <= t_[1] ? (t_[0] <= t_[2] ? 0 : 2)
-                                    : (t_[1] <= t_[2] ? 1 : 2);  // x before y before z.
+    // The smallest t; x before y before z where they are equal.
+    const int axis = t_[0] <= t_[1] ? (t_[0] <= t_[2] ? 0 : 2) : (t_[1] <= t_[2] ? 1 : 2);
     cell_[axis] += direction_[axis];
     border_[axis] += stride_[axis];  // Whole numbers below 2^30: exact.
     --left_[axis];
