@@ -29,8 +29,8 @@ LAYERS = [
     ["atlas"],
     ["bus", "io"],
 ]
-# sim stands beside integrate, but what a scanner sees is a scan: it may use that one type.
-EXCEPTIONS = {("sim", "integrate/scan.hpp")}
+# sim stands beside integrate, but what a scanner sees is a scan: it may use those types.
+EXCEPTIONS = {("sim", "integrate/scan.hpp"), ("sim", "integrate/sensor_scan.hpp")}
 # sim is input made for tests and the command line: the model's own rooms know nothing of it.
 HIDDEN_FROM_LIBS = {"sim"}
 
