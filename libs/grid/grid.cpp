@@ -54,8 +54,15 @@ Result<TileKey> Grid::tile_at(const Eigen::Vector3d& p_ecef) const {
 Eigen::Vector3d Grid::to_voxels(const Eigen::Vector3d& p_ecef) const {
   Eigen::Vector3d p_voxels;
   for (int axis = 0; axis < 3; ++axis) {
-    const double lower = axis_voxel(p_ecef[axis]);
-    const double v = p_ecef[axis] * cells_per_metre_ + half_voxels_;
+    const double x = p_ecef[axis];
+    const std::int32_t voxel = axis_voxel(x);
+    const double lower = voxel;
+    double v = x * cells_per_metre_ + half_voxels_;
+    if (!product_exact_) {  // Counted from the voxel's own border, so that a border comes out
+                            // whole.
+      const double border = static_cast<double>(voxel - half_voxels_) / cells_per_metre_;
+      v = lower + (x - border) * cells_per_metre_;
+    }
     p_voxels[axis] = v < lower + 1 ? std::max(v, lower) : std::nextafter(lower + 1, lower);
   }
   return p_voxels;
