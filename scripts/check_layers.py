@@ -5,7 +5,7 @@
     check_layers.py --self-test  show that each rule can fail
 
 Rules, for what stands in libs/ and services/:
-  1. A library includes only libraries above it in LAYERS; those of one row never include one another.
+  1. A library includes only libraries above it in LAYERS; those of one row never one another.
   2. A service includes libraries and its own folder, never another service.
   3. Only libs/bus includes LCM's headers or the generated types, and links to them.
   4. Project headers are included as "room/file.hpp", from libs/ or services/.
@@ -16,6 +16,7 @@ Files that are too long are named, but do not fail.
 
 import pathlib
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -36,6 +37,7 @@ HIDDEN_FROM_LIBS = {"sim"}
 
 TOP_LEVEL = {"CMakeLists.txt", "lcmtypes", "services", "libs", "scripts", "tests", "docker",
              "README.md"}
+IGNORED = {"build", "voxatlas-data"}  # As .gitignore does.
 BUS_ONLY_HEADERS = ("lcm/", "voxatlas/", "lcmtypes/")
 BUS_ONLY_TARGETS = {"lcm", "lcmtypes"}
 LONGEST = {".hpp": 150, ".cpp": 300}
@@ -60,12 +62,13 @@ def all_rooms():
 
 
 def top_level_names(tree):
-    """What a clone would hold at its top: git's list, or the folder itself without build/."""
-    listed = subprocess.run(["git", "-C", str(tree), "ls-files", "-z"], capture_output=True,
-                            text=True, check=False) if (tree / ".git").exists() else None
-    if listed and listed.returncode == 0:
-        return {name.split("/")[0] for name in listed.stdout.split("\0") if name}
-    return {entry.name for entry in tree.iterdir()} - {"build"}
+    """What a clone holds at its top: git's list, else the folder's without what git ignores."""
+    if shutil.which("git") and (tree / ".git").exists():
+        listed = subprocess.run(["git", "-C", str(tree), "ls-files", "-z"], capture_output=True,
+                                text=True, check=False)
+        if listed.returncode == 0:
+            return {name.split("/")[0] for name in listed.stdout.split("\0") if name}
+    return {entry.name for entry in tree.iterdir()} - IGNORED
 
 
 def check_top_level(tree):

@@ -194,7 +194,8 @@ def main(arguments):
         print(f"demo: {error}", file=sys.stderr)
         return 1
     finally:
-        shutil.copytree(model / "logs", options.out / "logs", dirs_exist_ok=True)
+        if (model / "logs").is_dir():
+            shutil.copytree(model / "logs", options.out / "logs", dirs_exist_ok=True)
         if options.keep_model:
             say(f"the model is in {model}")
         else:

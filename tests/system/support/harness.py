@@ -20,9 +20,7 @@ class SystemTest(unittest.TestCase):
     """A test with a temporary folder, `self.folder`, shown with its logs if the test fails."""
 
     def setUp(self):
-        keeper = tempfile.TemporaryDirectory(prefix="voxatlas-test-")
-        self.addCleanup(keeper.cleanup)
-        self.folder = pathlib.Path(keeper.name)
+        self.folder = temporary_folder(self)
         self.addCleanup(self.show_logs_of_a_failure)
 
     def show_logs_of_a_failure(self):
@@ -32,6 +30,14 @@ class SystemTest(unittest.TestCase):
         for log in sorted(self.folder.glob("**/logs/*.log")):
             lines = log.read_text(encoding="utf-8", errors="replace").splitlines()[-30:]
             print(f"--- {log}", *lines, sep="\n", file=sys.stderr)
+
+
+def temporary_folder(test):
+    """A folder that goes when `test` (a case, or a class of cases) is over."""
+    keeper = tempfile.TemporaryDirectory(prefix="voxatlas-test-")
+    clean_up = test.addClassCleanup if isinstance(test, type) else test.addCleanup
+    clean_up(keeper.cleanup)
+    return pathlib.Path(keeper.name)
 
 
 def multicast_here():
