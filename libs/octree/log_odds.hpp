@@ -36,6 +36,9 @@ struct SensorModel {
                                                 double clamp_max);
   static SensorModel standard();
 
+  /// hit > 0, miss < 0 and clamp_min < 0 <= clamp_max, as from_probabilities makes them.
+  bool valid() const { return hit > 0 && miss < 0 && clamp_min < 0 && clamp_max >= 0; }
+
   /// One update: the clamped sum; an unknown voxel counts as 0 before it.
   LogOdds update(LogOdds before, LogOdds addend) const;
 

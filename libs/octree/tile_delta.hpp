@@ -22,6 +22,8 @@ struct TileDelta {
   std::vector<Rgb> colours;  ///< One for each cell of `coloured`, in CellSet::for_each order.
 
   bool empty() const { return misses.empty() && hits.empty(); }
+  /// True when all of the above holds, of the sets as well; what a decoder checks.
+  bool valid() const;
 
   friend bool operator==(const TileDelta&, const TileDelta&) = default;
 };

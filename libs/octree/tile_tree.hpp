@@ -40,7 +40,9 @@ struct Leaf {
 /// Layout:  4096 brick slots in Morton order, each empty, one uniform state, or a brick of 512
 ///          log-odds [z][y][x] with a known mask; colour beside it, only where colour came.
 /// Threads: const calls from any number of threads; others one at a time, alone.
-/// Cost:    about 1.1 kB a mixed brick, 8.2 kB a tile at least once anything is known.
+/// Cost:    about 1.1 kB a mixed brick and 8 bytes a coloured voxel of it, 10 kB a tile at least
+/// once
+///          anything is known.
 class TileTree {
  public:
   TileTree();
