@@ -28,6 +28,9 @@ struct ServiceLoop {
   /// at the latest (steady microseconds), or an error that ends the loop.
   std::function<Result<std::int64_t>(std::int64_t now)> work;
 
+  /// Optional: asked after each `work`; true ends the loop without an error.
+  std::function<bool()> finished;
+
   Status run();
 };
 
