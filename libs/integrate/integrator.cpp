@@ -35,18 +35,24 @@ Eigen::Vector3d in_voxels(const Grid& grid, const Eigen::Vector3d& p_ecef,
   return p;
 }
 
+/// Written out, so that the order of the additions, and with it the last bit, does not depend on
+/// how a compiler or a processor likes to sum.
+double length_of(const Eigen::Vector3d& v) {
+  return std::sqrt(v.x() * v.x() + v.y() * v.y() + v.z() * v.z());
+}
+
 /// A point `range` metres from the origin towards `end`. Scaled first, as a hostile endpoint's
 /// squares may overflow.
 Eigen::Vector3d cut(const Eigen::Vector3d& origin, const Eigen::Vector3d& end, double range) {
   Eigen::Vector3d towards = end - origin;
   towards /= towards.cwiseAbs().maxCoeff();
-  return origin + towards * (range / towards.norm());
+  return origin + towards * (range / length_of(towards));
 }
 
 Ray classify(const Grid& grid, const Eigen::Vector3d& origin, const Eigen::Vector3d& end,
              double min_range, double max_range) {
   if (!end.allFinite()) return {Ray::kNotFinite, {}, {}};
-  const double length = (end - origin).norm();  // Infinite where the squares overflow: beyond max.
+  const double length = length_of(end - origin);  // Infinite where squares overflow: beyond max.
   if (length < min_range) return {Ray::kBelowMin, {}, {}};
   Ray ray{length > max_range ? Ray::kBeyondMax : Ray::kHit, end, {}};
   if (ray.kind == Ray::kBeyondMax) ray.end_ecef = cut(origin, end, max_range);
@@ -82,6 +88,7 @@ Status check_scan(const Scan& scan) {
 struct Integrator::State {
   Grid grid;
   IntegrationParameters parameters;
+  Carver carver;
   Marks misses, hits;
   ColourMeans colours;
   std::vector<ColourMeans::Seen> seen;
@@ -108,13 +115,13 @@ IntegrationCounts Integrator::State::mark(const Scan& scan, const VoxelIndex& or
     } else if (ray.kind != Ray::kBeyondMax) {
       continue;
     }
-    if (carves) carve(origin, in_voxels(grid, ray.end_ecef, ray.end_voxel), misses);
+    if (carves) carver.carve(origin, in_voxels(grid, ray.end_ecef, ray.end_voxel), misses);
   }
   return counts;
 }
 
 Integrator::Integrator(const Grid& grid, const IntegrationParameters& parameters)
-    : state_(new State{grid, parameters, {}, {}, {}, {}}) {
+    : state_(new State{grid, parameters, {}, {}, {}, {}, {}}) {
   VOX_CHECK(parameters.check().has_value());
 }
 

@@ -1,0 +1,195 @@
+// The integrator and the tiles against OctoMap, an implementation by others of the same updates.
+#include <octomap/OcTree.h>
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <map>
+
+#include "integrate/integrator.hpp"
+#include "octree/tile_tree.hpp"
+#include "unit/integrate/test_scans.hpp"
+
+namespace voxatlas {
+namespace {
+
+/// OctoMap computes in float: offsets of multiples of 2^-16 m below this many metres are exact.
+constexpr double kExactReach = 128;
+constexpr int kOctomapOrigin = 32768;
+
+/// A corner of tiles near a point, 64 m apart, so that its coordinates in metres are exact.
+Eigen::Vector3d exact_corner(const Eigen::Vector3d& p_ecef) {
+  return (p_ecef / 64).array().round() * 64;
+}
+
+/// The scan moved onto multiples of 2^-16 m, without what OctoMap's floats could not hold exactly
+/// or would measure as beyond the range.
+Scan exact_scan(Scan scan, const Eigen::Vector3d& corner, double max_range) {
+  const auto rounded = [&](const Eigen::Vector3d& p) -> Eigen::Vector3d {
+    return corner + Eigen::Vector3d(((p - corner) * 65536).array().round() / 65536);
+  };
+  scan.origin_ecef = rounded(scan.origin_ecef);
+  std::vector<Eigen::Vector3d> kept;
+  for (const auto& end : scan.endpoints_ecef) {
+    const Eigen::Vector3d p = rounded(end);
+    if ((p - corner).cwiseAbs().maxCoeff() < kExactReach &&
+        (p - scan.origin_ecef).norm() < max_range - 0.01) {
+      kept.push_back(p);
+    }
+  }
+  scan.endpoints_ecef = std::move(kept);
+  return scan;
+}
+
+octomap::point3d to_point(const Eigen::Vector3d& p) {
+  return {static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z())};
+}
+
+/// OctoMap's tree with the sensor model's very values: its setters round them to the same floats.
+octomap::OcTree octomap_tree(const SensorModel& model) {
+  octomap::OcTree tree(0.1);
+  tree.setProbHit(to_probability(model.hit));
+  tree.setProbMiss(to_probability(model.miss));
+  tree.setClampingThresMin(to_probability(model.clamp_min));
+  tree.setClampingThresMax(to_probability(model.clamp_max));
+  REQUIRE(tree.getProbHitLog() == static_cast<float>(to_float_log_odds(model.hit)));
+  REQUIRE(tree.getProbMissLog() == static_cast<float>(to_float_log_odds(model.miss)));
+  REQUIRE(tree.getClampingThresMinLog() == static_cast<float>(to_float_log_odds(model.clamp_min)));
+  REQUIRE(tree.getClampingThresMaxLog() == static_cast<float>(to_float_log_odds(model.clamp_max)));
+  return tree;
+}
+
+void insert(octomap::OcTree& tree, const Scan& scan, const Eigen::Vector3d& corner) {
+  octomap::Pointcloud cloud;
+  for (const auto& p : scan.endpoints_ecef) cloud.push_back(to_point(p - corner));
+  tree.insertPointCloud(cloud, to_point(scan.origin_ecef - corner), -1, true);
+}
+
+using Tiles = std::map<TileKey, TileTree>;
+
+/// The part of [0, 1] of a segment within a box grown by `margin`; empty where first > second.
+std::pair<double, double> inside(const Eigen::Vector3d& origin, const Eigen::Vector3d& end,
+                                 const Box& box, double margin) {
+  double enter = 0, leave = 1;
+  for (int a = 0; a < 3; ++a) {
+    const double low = box.min[a] - margin - origin[a], high = box.max[a] + margin - origin[a];
+    const double d = end[a] - origin[a];
+    if (d == 0) {
+      if (low > 0 || high < 0) leave = -1;
+    } else {
+      enter = std::max(enter, std::min(low / d, high / d));
+      leave = std::min(leave, std::max(low / d, high / d));
+    }
+  }
+  return {enter, leave};
+}
+
+/// True where shifting borders by 2e-5 m decides whether some ray passes the voxel.
+bool grazed(const std::vector<Scan>& scans, const Box& voxel) {
+  constexpr double kClose = 2e-5;
+  for (const auto& scan : scans) {
+    for (const auto& end : scan.endpoints_ecef) {
+      const auto wide = inside(scan.origin_ecef, end, voxel, kClose);
+      const auto narrow = inside(scan.origin_ecef, end, voxel, -kClose);
+      if (wide.first <= wide.second && narrow.first > narrow.second) return true;
+    }
+  }
+  return false;
+}
+
+struct Comparison {
+  std::uint64_t voxels = 0;  ///< Known to OctoMap.
+  std::vector<VoxelIndex> different;
+};
+
+Comparison compare(const octomap::OcTree& tree, const Tiles& tiles, const VoxelIndex& corner,
+                   const Grid& grid) {
+  Comparison comparison;
+  std::uint64_t both = 0;
+  for (auto leaf = tree.begin_leafs(); leaf != tree.end_leafs(); ++leaf) {
+    REQUIRE(leaf.getDepth() == 16);  // Never pruned: one leaf a voxel.
+    ++comparison.voxels;
+    const auto key = leaf.getKey();
+    const VoxelIndex voxel = corner + VoxelIndex(key[0] - kOctomapOrigin, key[1] - kOctomapOrigin,
+                                                 key[2] - kOctomapOrigin);
+    const auto tile = tiles.find(grid.tile_of(voxel));
+    const auto ours = tile == tiles.end() ? std::nullopt : tile->second.voxel(Grid::in_tile(voxel));
+    both += ours.has_value();
+    const float theirs = leaf->getLogOdds();
+    if (!ours || static_cast<float>(to_float_log_odds(ours->log_odds)) != theirs) {
+      comparison.different.push_back(voxel);
+    }
+  }
+  std::uint64_t known = 0;
+  for (const auto& [key, tile] : tiles) {
+    const auto counts = tile.counts();
+    known += counts.occupied_voxels + counts.free_voxels;
+  }
+  // Ours that OctoMap does not know: their number; where they are is found only if there are any.
+  if (known == both) return comparison;
+  for (const auto& [key, tile] : tiles) {
+    tile.for_each_leaf([&](const Leaf& leaf) {
+      const auto low = leaf.cell.min_voxel();
+      const auto edge = leaf.cell.edge_voxels();
+      for (std::uint32_t i = 0; i < edge * edge * edge; ++i) {
+        const VoxelIndex voxel =
+            Grid::min_voxel(key) + VoxelIndex(static_cast<int>(low[0] + i % edge),
+                                              static_cast<int>(low[1] + i / edge % edge),
+                                              static_cast<int>(low[2] + i / edge / edge));
+        const VoxelIndex local = voxel - corner;
+        const octomap::OcTreeKey at(static_cast<octomap::key_type>(local.x() + kOctomapOrigin),
+                                    static_cast<octomap::key_type>(local.y() + kOctomapOrigin),
+                                    static_cast<octomap::key_type>(local.z() + kOctomapOrigin));
+        if (tree.search(at) == nullptr) comparison.different.push_back(voxel);
+      }
+    });
+  }
+  return comparison;
+}
+
+void require_like_octomap(std::vector<Scan> scans) {
+  const IntegrationParameters parameters{7, 7, 0, 120};
+  const auto grid = Grid::standard();
+  const auto model = SensorModel::standard();
+  const auto corner = exact_corner(scans.front().origin_ecef);
+  auto tree = octomap_tree(model);
+  Integrator integrator(grid, parameters);
+  Tiles tiles;
+  for (auto& scan : scans) {
+    scan = exact_scan(std::move(scan), corner, parameters.max_range);
+    insert(tree, scan, corner);
+    const auto delta = integrator.integrate(scan);
+    REQUIRE(delta.has_value());
+    REQUIRE(delta->counts.hits == scan.endpoints_ecef.size());
+    for (const auto& [key, change] : delta->tiles) tiles[key].apply(change, model);
+  }
+  const auto comparison = compare(tree, tiles, *grid.voxel_at(corner), grid);
+  WARN(comparison.different.size() << " of " << comparison.voxels << " voxels differ");
+  REQUIRE(comparison.voxels > 100'000);
+  REQUIRE(comparison.different.size() * 100'000 < comparison.voxels);
+  for (const auto& voxel : comparison.different) {
+    CAPTURE(voxel.transpose());
+    const VoxelIndex next = voxel + VoxelIndex::Ones();
+    REQUIRE(grazed(scans, {grid.min_corner(voxel), grid.min_corner(next)}));
+  }
+}
+
+TEST_CASE("simulated scans leave the voxels that OctoMap leaves, bit for bit but at grazed edges",
+          "[integrate][oracle]") {
+  require_like_octomap(test::street_scans(3));
+}
+
+TEST_CASE("real scans leave the voxels that OctoMap leaves, bit for bit but at grazed edges",
+          "[integrate][oracle]") {
+  const auto scans = test::real_scans(2);
+  if (scans.empty()) {
+    WARN("skipped: no real scans in " << test::data_folder() << " (VOX_DATA)");
+    return;
+  }
+  require_like_octomap(scans);
+}
+
+}  // namespace
+}  // namespace voxatlas
