@@ -103,7 +103,8 @@ TEST_CASE("a miss that equals, contains or lies inside a hit of another tile's r
 TEST_CASE("a cell's colour is the mean of its points, halves rounded up", "[integrate]") {
   const Eigen::Vector3d p(1.05, 1.05, 1.05);
   auto scan = scan_of({5.05, 5.05, 5.05}, {p, p});
-  scan.colours = {{0, 255, 7}, {1, 254, 7}};
+  scan.colours.push_back({0, 255, 7});
+  scan.colours.push_back({1, 254, 7});
   const auto cells = integrated(scan, {});
   REQUIRE(cells.colours.size() == 1);
   REQUIRE(cells.colours.begin()->second == std::array<int, 3>{1, 255, 7});
@@ -131,7 +132,7 @@ TEST_CASE("an integrator refuses a scan as a whole, naming the value", "[integra
   auto scan = scan_of({0, 0, 0}, {{1, 1, 1}});
   SECTION("sigma") { scan.sigma = GENERATE_COPY(0.0, -1.0, nan, infinity, 3.21); }
   SECTION("origin") { scan.origin_ecef.y() = GENERATE_COPY(6.4e6, -6.4000001e6, nan, -infinity); }
-  SECTION("colours") { scan.colours.resize(2); }
+  SECTION("colours") { scan.colours = std::vector<Rgb>(2); }
   SECTION("min_range") { scan.min_range = GENERATE_COPY(-0.1, nan); }
   const auto delta = integrator.integrate(scan);
   REQUIRE_FALSE(delta.has_value());

@@ -1,14 +1,13 @@
 #include "unit/integrate/test_scans.hpp"
 
-#include <fmt/format.h>
-
 #include <Eigen/Geometry>
-#include <array>
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <fstream>
 #include <limits>
 #include <numbers>
+
+#include "io/kitti.hpp"
 
 namespace voxatlas::test {
 namespace {
@@ -18,7 +17,7 @@ struct SolidBox {
 };
 
 constexpr double kNone = std::numeric_limits<double>::infinity();
-constexpr int kRings = 64, kColumns = 360;
+constexpr int kRings = 64, kColumns = 240;
 
 /// The street in its own frame: x along it, z up.
 std::vector<SolidBox> street() {
@@ -82,23 +81,17 @@ std::filesystem::path data_folder() {
   return folder != nullptr ? folder : VOX_DATA_DEFAULT;
 }
 
-std::vector<Scan> real_scans(int count) {
-  const auto folder = data_folder() / "kitti_0005";
-  std::ifstream poses(folder / "poses_refined_ecef.txt");
+std::vector<Scan> real_scans(std::size_t count) {
+  const auto folder = KittiFolder::open(data_folder() / "kitti_0005",
+                                        {.poses = "poses_refined_ecef.txt", .origin = {}});
   std::vector<Scan> scans;
-  for (int i = 0; i < count && poses; ++i) {
-    Eigen::Matrix<double, 3, 4, Eigen::RowMajor> ecef_from_sensor;
-    for (int n = 0; n < 12; ++n) poses >> ecef_from_sensor.data()[n];
-    std::ifstream in(folder / "velodyne" / fmt::format("{:06}.bin", i), std::ios::binary);
-    Scan scan;
-    scan.origin_ecef = ecef_from_sensor.col(3);
-    scan.sigma = 0.02;
-    std::array<float, 16> points{};  // Four points, of which the first is taken.
-    while (in.read(reinterpret_cast<char*>(points.data()), sizeof points)) {
-      const Eigen::Vector4d p_sensor(points[0], points[1], points[2], 1);
-      scan.endpoints_ecef.push_back(ecef_from_sensor * p_sensor);
-    }
-    if (poses && !scan.endpoints_ecef.empty()) scans.push_back(std::move(scan));
+  for (std::size_t i = 0; folder && i < std::min(count, folder->scan_count()); ++i) {
+    const auto read = folder->read(i);
+    if (!read) break;
+    scans.push_back(to_scan(read->scan, 0.02, 0));
+    auto& ends = scans.back().endpoints_ecef;
+    for (std::size_t kept = 0; 4 * kept < ends.size(); ++kept) ends[kept] = ends[4 * kept];
+    ends.resize((ends.size() + 3) / 4);
   }
   return scans;
 }
