@@ -32,7 +32,16 @@ class Walk {
   /// Steps to the next cell; remaining() must be positive. Returns the axis stepped on.
   int step() {
     // The smallest t; x before y before z where they are equal.
-    const int axis = t_[0] <= t_[1] ? (t_[0] <= t_[2] ? 0 : 2) : (t_[1] <= t_[2] ? 1 : 2);
+    if (t_[0] <= t_[1]) return t_[0] <= t_[2] ? step_on<0>() : step_on<2>();
+    return t_[1] <= t_[2] ? step_on<1>() : step_on<2>();
+  }
+
+ private:
+  static constexpr double kLimit = 1 << 29;
+
+  /// The axis is a constant, so that the compiler keeps the whole walk in registers.
+  template <int axis>
+  int step_on() {
     cell_[axis] += direction_[axis];
     border_[axis] += stride_[axis];  // Whole numbers below 2^30: exact.
     --left_[axis];
@@ -40,9 +49,6 @@ class Walk {
     aim(axis);
     return axis;
   }
-
- private:
-  static constexpr double kLimit = 1 << 29;
 
   /// Looks at the next border of an axis; an axis that has made its steps has none.
   void aim(int axis) {
