@@ -70,6 +70,22 @@ TEST_CASE("a Pose written with few digits becomes the nearest rotation", "[geode
   }
 }
 
+TEST_CASE("a Pose is true to 1e-14 however many digits it was written with", "[geodesy]") {
+  auto rng = test::engine();
+  INFO("VOX_SEED=" << test::seed());
+  for (int i = 0; i < 3'000; ++i) {
+    const int digits = 5 + i % 12;
+    const double unit = std::pow(10.0, digits);
+    const Eigen::Matrix3d exact = any_rotation(rng).toRotationMatrix();
+    const Eigen::Matrix3d written = (exact * unit).array().round().matrix() / unit;
+    const auto pose = Pose::create(written, {1, 2, 3});
+    CAPTURE(digits);
+    REQUIRE(pose.has_value());
+    REQUIRE(deviation(pose->rotation()) <= 1e-14);
+    REQUIRE((pose->rotation() - exact).cwiseAbs().maxCoeff() < 2 / unit + 1e-14);
+  }
+}
+
 TEST_CASE("a Pose survives being written out and read, bit for bit", "[geodesy]") {
   auto rng = test::engine();
   INFO("VOX_SEED=" << test::seed());
