@@ -25,7 +25,7 @@ bool all_equal(const std::vector<Colour>& colours) {
 }  // namespace
 
 Colour BrickColours::at(unsigned voxel) const {
-  if (!test(voxels_, voxel)) return {};
+  if (!has_voxel(voxels_, voxel)) return {};
   if (colours_.size() == 1) return colours_[0];
   std::size_t rank = 0;
   for (std::size_t z = 0; z < voxel >> 6; ++z) {
@@ -47,11 +47,11 @@ void BrickColours::add(const VoxelMask& voxels, std::span<const Rgb> seen) {
   std::size_t next = 0;
   for_each_bit(all, [&](unsigned voxel) {
     merged.emplace_back();
-    if (test(voxels_, voxel)) {
+    if (has_voxel(voxels_, voxel)) {
       merged.back() = colours_[next];
       if (colours_.size() > 1) ++next;
     }
-    if (test(voxels, voxel)) merged.back().add(seen[voxel]);
+    if (has_voxel(voxels, voxel)) merged.back().add(seen[voxel]);
   });
   voxels_ = all;
   colours_ = std::move(merged);
@@ -64,8 +64,8 @@ void BrickColours::assign(const VoxelMask& voxels, const Colour& colour) {
   std::size_t next = 0;
   for_each_bit(all, [&](unsigned voxel) {
     const std::size_t own = next;
-    if (test(voxels_, voxel) && colours_.size() > 1) ++next;
-    merged.push_back(test(voxels, voxel) ? colour : colours_[own]);
+    if (has_voxel(voxels_, voxel) && colours_.size() > 1) ++next;
+    merged.push_back(has_voxel(voxels, voxel) ? colour : colours_[own]);
   });
   voxels_ = all;
   colours_ = std::move(merged);
@@ -81,7 +81,7 @@ void BrickColours::remove(const VoxelMask& voxels) {
   if (colours_.size() > 1) {
     std::size_t next = 0, kept = 0;
     for_each_bit(voxels_, [&](unsigned voxel) {
-      if (test(left, voxel)) colours_[kept++] = colours_[next];
+      if (has_voxel(left, voxel)) colours_[kept++] = colours_[next];
       ++next;
     });
     colours_.resize(kept);

@@ -30,7 +30,7 @@ inline unsigned count_of(const VoxelMask& mask) {
   return static_cast<unsigned>(count);
 }
 
-inline bool test(const VoxelMask& mask, unsigned voxel) {
+inline bool has_voxel(const VoxelMask& mask, unsigned voxel) {
   return (mask[voxel >> 6] >> (voxel & 63) & 1) != 0;
 }
 

@@ -82,7 +82,8 @@ bool CellSet::contains(CellKey cell) const {
   VOX_CHECK(fits(*this, cell));
   if (is_coarse(depth)) return !coarse.empty() && (coarse[cell.code / 64] >> cell.code % 64 & 1);
   const auto at = lower_brick(bricks, brick_of(cell));
-  return at != bricks.end() && at->brick == brick_of(cell) && test(at->bits, lowest_voxel_of(cell));
+  return at != bricks.end() && at->brick == brick_of(cell) &&
+         has_voxel(at->bits, lowest_voxel_of(cell));
 }
 
 void CellSet::insert(CellKey cell) {

@@ -13,7 +13,7 @@ std::optional<CellState> voxel_state(const BrickTable& table, CellKey cell) {
   if (table.is_uniform(brick)) return table.uniform_state(brick);
   const unsigned voxel = lowest_voxel_of(cell);
   const Brick& content = table.mixed(brick);
-  if (!test(content.known, voxel)) return std::nullopt;
+  if (!has_voxel(content.known, voxel)) return std::nullopt;
   const BrickColours* own = table.colours(brick);
   return CellState{content.log_odds[voxel], own == nullptr ? Colour{} : own->at(voxel)};
 }
