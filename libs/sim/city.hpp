@@ -20,7 +20,7 @@ struct CityOptions {
   double bearing_deg = 22;  ///< How far the streets called x are turned from east to north.
 };
 
-/// A procedural city that knows itself: the same options give the same city anywhere.
+/// A procedural city that knows itself: the same options give the same city.
 ///
 /// Frame:   the city's: a local frame at `place`, z up (plumb), x and y along the streets; the
 ///          ground is tilted in it (Ground), and all of it is oblique in ECEF.

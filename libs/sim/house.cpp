@@ -8,7 +8,7 @@ namespace voxatlas {
 namespace {
 
 constexpr double kFloor = 3.2, kSill = 0.9, kWindowWidth = 1.35, kWindowHeight = 1.6, kBay = 2.7;
-constexpr double kDoorRecess = 0.1;
+constexpr double kDoorRecess = 0.1, kOverhang = 0.35;
 
 constexpr std::array<Rgb, 8> kWalls{{{214, 198, 160},
                                      {196, 146, 110},
@@ -100,6 +100,21 @@ void add_facade(std::vector<Solid>& solids, const Wall& wall, int floors, bool d
                                 wall.style.top, Material::kWall, wall.style.wall));
 }
 
+/// The masonry under a roof: it shows at the roof's ends, and there alone.
+Solid gable_wall(const Solid& roof, const Style& style) {
+  const int across = 1 - roof.axis;
+  Solid wall = roof;
+  wall.min[roof.axis] -= 0.04;
+  wall.max[roof.axis] += 0.04;
+  wall.min[across] += kOverhang;
+  wall.max[across] -= kOverhang;
+  const double inner = (wall.max - wall.min)[across] / (roof.max - roof.min)[across];
+  wall.max.z() = roof.min.z() + inner * (roof.max - roof.min).z() - 0.12;
+  wall.material = Material::kWall;
+  wall.colour = style.wall;
+  return wall;
+}
+
 void add_roof(std::vector<Solid>& solids, const House& house, const Style& style, Draw& draw) {
   const int across = 1 - house.ridge_axis;
   Solid roof;
@@ -107,11 +122,12 @@ void add_roof(std::vector<Solid>& solids, const House& house, const Style& style
   roof.axis = house.ridge_axis;
   roof.min << house.min, style.top;
   roof.max << house.max, style.top + 0.38 * (house.max - house.min)[across];
-  roof.min[across] -= 0.35;
-  roof.max[across] += 0.35;
+  roof.min[across] -= kOverhang;
+  roof.max[across] += kOverhang;
   roof.material = Material::kRoof;
   roof.colour = style.roof;
   solids.push_back(roof);
+  solids.push_back(gable_wall(roof, style));
 
   Eigen::Vector3d foot;
   foot[house.ridge_axis] =
