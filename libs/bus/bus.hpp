@@ -19,13 +19,18 @@ namespace voxatlas {
 ///          kMaxFrameBytes for frames), kIo where LCM says no. A message that does not decode is
 ///          counted, logged (at most once a second) and dropped; a handler that throws is a bug.
 /// Threads: one at a time for everything, handlers run inside handle().
-/// Cost:    LCM's own receive thread drains the socket; subscriptions have unlimited queues, so
-/// that
-///          streams are bounded by credit and not by LCM's silent drop at 30.
+///          An exception that leaves a handler comes out of handle_waiting(), not through LCM's C.
+///          A lost hub (tcpq) is no error but like lost datagrams: publish says kUnavailable until
+///          handle_waiting() has found it again; it tries twice a second.
+/// Channels are literal names, not LCM's patterns.
+/// Cost:    LCM's own receive thread drains the socket; a subscription holds up to
+///          kQueuedMessages, above any stream's credit, where LCM's own limit drops at 30.
 class Bus {
  public:
   static constexpr std::size_t kMaxPlainBytes = 60'000;
   static constexpr std::size_t kMaxFrameBytes = 160'000;
+  static constexpr int kQueuedMessages = 2000;
+  using Subscription = std::int64_t;
 
   static Result<std::unique_ptr<Bus>> create(const std::string& url);
   ~Bus();
@@ -36,8 +41,8 @@ class Bus {
   }
 
   template <class T>
-  void subscribe(const std::string& channel, std::function<void(const T&)> handler) {
-    subscribe_bytes(channel, [handler = std::move(handler)](ByteView bytes) -> Status {
+  Subscription subscribe(const std::string& channel, std::function<void(const T&)> handler) {
+    return subscribe_bytes(channel, [handler = std::move(handler)](ByteView bytes) -> Status {
       auto message = decode_message<T>(bytes);
       if (!message) return pass_on(message);
       handler(*message);
@@ -46,12 +51,17 @@ class Bus {
   }
 
   Status publish_bytes(const std::string& channel, const Bytes& bytes);
-  void subscribe_bytes(const std::string& channel, std::function<Status(ByteView)> handler);
+  Subscription subscribe_bytes(const std::string& channel, std::function<Status(ByteView)> handler);
+  /// From now on its handler is not called; fine inside a handler, even its own.
+  void unsubscribe(Subscription subscription);
 
-  int fd() const;           ///< Readable where messages wait: for poll().
-  Status handle_waiting();  ///< Runs the handlers of all messages that wait now; never blocks.
+  int fd() const;  ///< Readable where messages wait: for poll(). -1 while a hub is lost.
+  /// Runs the handlers of the messages that wait now, some thousand at most; never blocks.
+  Status handle_waiting();
 
-  const std::string& url() const;
+  const std::string& url() const;  ///< In full, defaults filled in.
+  /// Whether endpoints have ports of their own here (multicast); elsewhere they share this bus.
+  bool has_ports() const;
 
   struct Counters {
     std::uint64_t received = 0, received_bytes = 0, undecodable = 0;

@@ -22,7 +22,8 @@ bool stop_requested();
 /// Errors:  a bus that can no longer be read ends the loop with its error.
 struct ServiceLoop {
   std::vector<Bus*> buses;
-  /// Other descriptors that call `work` when readable, such as a worker's eventfd; `work` drains them.
+  /// Other descriptors that call `work` when readable, such as a worker's eventfd; `work` drains
+  /// them.
   std::vector<int> wake_fds;
   /// Called after every wake-up and at least every 500 ms. Returns when it wants to be called again
   /// at the latest (steady microseconds), or an error that ends the loop.

@@ -16,7 +16,8 @@ struct ConsumerConfig {
   std::size_t max_message_bytes = std::size_t{64} << 20;
   std::size_t max_held_bytes = std::size_t{256} << 20;  ///< Of messages not yet taken or in pieces.
   std::int64_t producer_timeout_us =
-      10'000'000;  ///< A silent producer's turn and memory are freed.
+      10'000'000;           ///< A silent producer's turn and memory are freed.
+  std::int64_t client = 0;  ///< Not 0: only streams to this client are taken (client_session()).
 };
 
 /// A message that has arrived whole.
@@ -33,11 +34,13 @@ struct StreamMessage {
 /// Source:  DESIGN section 6.
 /// Time:    microseconds of one steady clock, given with each call.
 /// Promise: each stream's messages come once each, whole, in order; again only after a restart of
-/// the
-///          consumer and only those it had not committed.
-/// Credit:  the receive buffer divided among the active producers, granted in turns, at least one
-///          chunk to whoever holds the turn; withheld while max_held_bytes are held.
-/// Hostile: a chunk whose CRC, size or place contradicts is dropped and counted.
+///          the consumer and only those it had not committed.
+/// Credit:  the receive buffer divided among the producers that have something to send, granted in
+///          turns, at least one chunk to whoever holds the turn; withheld while max_held_bytes are
+///          held. What a silent producer leaves unused lapses and goes to others.
+/// Hostile: a chunk whose CRC or size contradicts is dropped and counted; a stream whose chunks
+///          contradict one another is not listened to any more. At most 1024 streams at once.
+/// Memory:  max_held_bytes, one message of max_message_bytes and a receive buffer.
 /// Threads: one at a time.
 class StreamConsumer {
  public:
@@ -45,6 +48,7 @@ class StreamConsumer {
   ~StreamConsumer();
 
   void on_chunk(const chunk_t& chunk, std::int64_t now);
+  void on_chunk(chunk_t&& chunk, std::int64_t now);  ///< Spares a copy of the data.
 
   /// Messages complete and in order, as they came; they stay uncommitted.
   std::vector<StreamMessage> take();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -14,14 +15,25 @@ struct StreamConfig {
   std::size_t chunk_bytes = 59'000;  ///< Data in a chunk; with its header below 60 000.
   std::size_t send_buffer_bytes = std::size_t{64}
                                   << 20;  ///< Held until committed; offer() refuses above.
-  std::int64_t rto_us = 20'000;           ///< First retransmission time-out; doubles when silent,
-  std::int64_t rto_max_us = 500'000;      ///< up to this.
+  std::int64_t rto_us = 3'000;            ///< Silence before a probe asks what is missing; doubles
+  std::int64_t rto_max_us = 500'000;      ///< while the silence lasts, up to this.
+  std::int64_t client = 0;                ///< Where a client consumes: its id (client_session()).
 };
+
+/// A random session for a stream to a client. Clients may share a port (Endpoint), so the session
+/// says whose it is: its upper 47 bits are the client's.
+std::int64_t client_session(std::int64_t client);
+/// Whether a session was made for this client.
+bool is_session_of(std::int64_t session, std::int64_t client);
 
 /// The sending end of a reliable stream: a state machine without clock, thread or socket.
 ///
 /// Source:  DESIGN section 6 (credit, cumulative acknowledgement, ranged nacks, probes).
 /// Time:    microseconds of one steady clock, given with each call.
+/// Loss:    the consumer names what is missing, of itself or asked by a probe; only that goes out
+///          again, and halves the window, which grows back with what arrives.
+/// Credit:  unused, it lapses a tenth of a second after the last acknowledgement, as the consumer
+///          gives it to others then; a probe asks for it again.
 /// Promise: every message offered arrives at the consumer at least once, whole and in order, as
 /// long as
 ///          both go on; a message is held until the consumer has committed it, so that a consumer
@@ -43,6 +55,10 @@ class StreamProducer {
 
   /// The chunks to send now, new, again, or a probe; at most `limit` at once.
   std::vector<chunk_t> poll(std::int64_t now, std::size_t limit = 16);
+  /// The same without copies: `send` sees each chunk in turn and returns whether to go on. Returns
+  /// how many it saw.
+  std::size_t poll(std::int64_t now, std::size_t limit,
+                   const std::function<bool(const chunk_t&)>& send);
   /// When poll() has something to do even if nothing comes in; INT64_MAX: never.
   std::int64_t next_poll(std::int64_t now) const;
 
@@ -55,6 +71,7 @@ class StreamProducer {
 
   struct Counters {
     std::uint64_t chunks_sent = 0, chunks_resent = 0, probes = 0, acks = 0, consumer_restarts = 0;
+    std::uint64_t acks_refused = 0;  ///< Ones that contradict what was sent.
   };
   const Counters& counters() const;
 

@@ -38,6 +38,12 @@ Status check_shape(const char* shape, ByteView bytes);
 template <class T>
 const char* shape_of();
 
+/// Whether a message's fields agree with one another (a count with its size, a part with its
+/// parts); specialised for every type in wire_fields.cpp. What a value means is its user's to
+/// check. Errors: kCorrupt, naming the fields and their values.
+template <class T>
+Status check_fields(const T& message);
+
 template <class T>
 Bytes encode_message(const T& message) {
   Bytes bytes(static_cast<std::size_t>(message.getEncodedSize()));
@@ -60,6 +66,7 @@ Result<T> decode_message(ByteView bytes) {
     return fail(ErrorCode::kCorrupt,
                 fmt::format("{}: another type's fingerprint", T::getTypeName()));
   }
+  if (auto fields = check_fields(message); !fields) return pass_on(fields, T::getTypeName());
   return message;
 }
 

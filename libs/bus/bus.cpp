@@ -1,0 +1,259 @@
+#include "bus/bus.hpp"
+
+#include <fmt/format.h>
+#include <lcm/lcm.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <poll.h>
+#include <sys/socket.h>
+
+#include <exception>
+#include <map>
+#include <string_view>
+#include <vector>
+
+#include "base/check.hpp"
+#include "base/log.hpp"
+#include "base/utime.hpp"
+#include "bus/bus_url.hpp"
+#include "bus/channels.hpp"
+
+namespace voxatlas {
+namespace {
+
+constexpr int kMaxBatch = 4000;
+constexpr std::int64_t kReconnectUs = 500'000;
+constexpr std::int64_t kLogEveryUs = 1'000'000;
+/// Nobody listens here: a message on it makes LCM connect to its hub again.
+constexpr const char* kReconnectChannel = "VOXATLAS_RECONNECT";
+
+/// LCM reads a channel to subscribe to as a regular expression; ours are names.
+std::string as_pattern(std::string_view channel) {
+  std::string pattern;
+  for (const char c : channel) {
+    if (std::string_view("\\^$.|?*+()[]{}").find(c) != std::string_view::npos) pattern += '\\';
+    pattern += c;
+  }
+  return pattern;
+}
+
+struct Handler {
+  Bus::Subscription id;
+  std::function<Status(ByteView)> call;
+  bool alive = true;
+};
+
+}  // namespace
+
+struct Bus::State {
+  struct Channel {
+    State* bus;
+    lcm_subscription_t* subscription;
+    std::vector<std::unique_ptr<Handler>> handlers;
+  };
+
+  ~State() {
+    if (lcm != nullptr) lcm_destroy(lcm);
+  }
+
+  static void on_message(const lcm_recv_buf_t* received, const char* name, void* channel) noexcept;
+  void dispatch(Channel& channel, const char* name, ByteView bytes);
+  void log_undecodable(const char* name, const Error& error);
+  void purge();
+  void set_no_delay() const;
+  void reconnect();
+
+  std::string url;
+  bool is_hub = false;
+  bool is_multicast = false;
+  lcm_t* lcm = nullptr;
+  std::map<std::string, std::unique_ptr<Channel>> channels;
+  std::map<Subscription, std::string> channel_of;
+  Subscription last_subscription = 0;
+  Counters counters;
+  bool in_handler = false;
+  bool has_dead_handlers = false;
+  std::exception_ptr thrown;   ///< By a handler; rethrown outside of LCM.
+  std::string cannot_receive;  ///< A channel LCM would not subscribe to.
+  std::int64_t last_reconnect = 0;
+  std::int64_t last_log = 0;
+};
+
+void Bus::State::on_message(const lcm_recv_buf_t* received, const char* name,
+                            void* opaque) noexcept {
+  auto& channel = *static_cast<Channel*>(opaque);
+  try {
+    channel.bus->dispatch(channel, name,
+                          {static_cast<const std::uint8_t*>(received->data), received->data_size});
+  } catch (...) {  // LCM is C: the exception goes round it.
+    channel.bus->thrown = std::current_exception();
+  }
+}
+
+void Bus::State::dispatch(Channel& channel, const char* name, ByteView bytes) {
+  ++counters.received;
+  counters.received_bytes += bytes.size();
+  bool decoded = true;
+  const auto count = channel.handlers.size();  // Those that a handler adds wait for the next.
+  for (std::size_t i = 0; i < count; ++i) {
+    auto& handler = *channel.handlers[i];
+    if (!handler.alive) continue;
+    if (auto status = handler.call(bytes); !status && decoded) {
+      decoded = false;
+      ++counters.undecodable;
+      log_undecodable(name, status.error());
+    }
+  }
+}
+
+void Bus::State::log_undecodable(const char* name, const Error& error) {
+  const auto now = steady_utime();
+  if (last_log != 0 && now - last_log < kLogEveryUs) return;
+  last_log = now;
+  log_warning("{}: message dropped: {} ({} so far)", name, error.message, counters.undecodable);
+}
+
+void Bus::State::purge() {
+  if (!has_dead_handlers) return;
+  has_dead_handlers = false;
+  for (auto it = channels.begin(); it != channels.end();) {
+    std::erase_if(it->second->handlers, [](const auto& handler) { return !handler->alive; });
+    if (!it->second->handlers.empty()) {
+      ++it;
+      continue;
+    }
+    if (it->second->subscription != nullptr) lcm_unsubscribe(lcm, it->second->subscription);
+    it = channels.erase(it);
+  }
+}
+
+/// Small messages through the hub would wait 40 ms for an acknowledgement of TCP's.
+void Bus::State::set_no_delay() const {
+  const int on = 1;
+  ::setsockopt(lcm_get_fileno(lcm), IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+}
+
+void Bus::State::reconnect() {
+  const auto now = steady_utime();
+  if (last_reconnect != 0 && now - last_reconnect < kReconnectUs) return;
+  last_reconnect = now;
+  lcm_publish(lcm, kReconnectChannel, "", 0);
+  if (lcm_get_fileno(lcm) < 0) return;
+  set_no_delay();
+  log_info("the hub at {} is back", url);
+}
+
+Bus::Bus(std::unique_ptr<State> state) : state_(std::move(state)) {}
+Bus::~Bus() = default;
+
+Result<std::unique_ptr<Bus>> Bus::create(const std::string& text) {
+  auto url = BusUrl::parse(text);
+  if (!url) return pass_on(url);
+  auto state = std::make_unique<State>();
+  state->url = url->to_string();
+  state->is_hub = url->provider == "tcpq";
+  state->is_multicast = url->is_multicast();
+  state->lcm = lcm_create(state->url.c_str());
+  if (state->lcm == nullptr && state->is_multicast) {
+    return fail(ErrorCode::kUnavailable,
+                fmt::format("no bus at {}: LCM refuses it; without a multicast route, add one: "
+                            "ip link set lo up; ip route add 224.0.0.0/4 dev lo",
+                            state->url));
+  }
+  if (state->lcm == nullptr) {
+    return fail(ErrorCode::kUnavailable, fmt::format("no bus at {}: LCM refuses it", state->url));
+  }
+  if (state->is_hub) {
+    if (lcm_get_fileno(state->lcm) < 0) {
+      return fail(ErrorCode::kUnavailable,
+                  fmt::format("no hub at {}: voxatlas-hub is not running there", state->url));
+    }
+    state->set_no_delay();
+  }
+  return std::unique_ptr<Bus>(new Bus(std::move(state)));
+}
+
+Status Bus::publish_bytes(const std::string& channel, const Bytes& bytes) {
+  auto& bus = *state_;
+  const auto limit = channel == kFrameChannel ? kMaxFrameBytes : kMaxPlainBytes;
+  if (bytes.size() > limit) {
+    return fail(ErrorCode::kOutOfRange,
+                fmt::format("{}: {} bytes, at most {} arrive", channel, bytes.size(), limit));
+  }
+  if (bus.is_hub && lcm_get_fileno(bus.lcm) < 0) {
+    return fail(ErrorCode::kUnavailable,
+                fmt::format("{}: the hub at {} is gone", channel, bus.url));
+  }
+  if (lcm_publish(bus.lcm, channel.c_str(), bytes.data(), static_cast<unsigned>(bytes.size())) !=
+      0) {
+    return fail(
+        bus.is_hub ? ErrorCode::kUnavailable : ErrorCode::kIo,
+        fmt::format("{}: LCM could not send {} bytes to {}", channel, bytes.size(), bus.url));
+  }
+  ++bus.counters.published;
+  bus.counters.published_bytes += bytes.size();
+  return {};
+}
+
+Bus::Subscription Bus::subscribe_bytes(const std::string& name,
+                                       std::function<Status(ByteView)> handler) {
+  auto& bus = *state_;
+  auto& channel = bus.channels[name];
+  if (channel == nullptr) {
+    channel = std::make_unique<State::Channel>(State::Channel{&bus, nullptr, {}});
+    channel->subscription =
+        lcm_subscribe(bus.lcm, as_pattern(name).c_str(), &State::on_message, channel.get());
+    if (channel->subscription == nullptr) {
+      bus.cannot_receive = name;
+    } else {
+      lcm_subscription_set_queue_capacity(channel->subscription, kQueuedMessages);
+    }
+  }
+  const auto id = ++bus.last_subscription;
+  channel->handlers.push_back(std::make_unique<Handler>(Handler{id, std::move(handler)}));
+  bus.channel_of.emplace(id, name);
+  return id;
+}
+
+void Bus::unsubscribe(Subscription subscription) {
+  auto& bus = *state_;
+  const auto known = bus.channel_of.find(subscription);
+  if (known == bus.channel_of.end()) return;
+  for (const auto& handler : bus.channels.at(known->second)->handlers) {
+    if (handler->id == subscription) handler->alive = false;
+  }
+  bus.channel_of.erase(known);
+  bus.has_dead_handlers = true;
+  if (!bus.in_handler) bus.purge();
+}
+
+int Bus::fd() const { return lcm_get_fileno(state_->lcm); }
+
+Status Bus::handle_waiting() {
+  auto& bus = *state_;
+  VOX_CHECK(!bus.in_handler);
+  if (!bus.cannot_receive.empty()) {
+    return fail(ErrorCode::kUnavailable,
+                fmt::format("no bus at {}: subscribing to {} failed", bus.url, bus.cannot_receive));
+  }
+  if (bus.is_hub && fd() < 0) bus.reconnect();
+  for (int i = 0; i < kMaxBatch && fd() >= 0; ++i) {
+    pollfd ready{fd(), POLLIN, 0};
+    if (::poll(&ready, 1, 0) <= 0) break;
+    bus.in_handler = true;
+    const int result = lcm_handle(bus.lcm);
+    bus.in_handler = false;
+    bus.purge();
+    if (bus.thrown) std::rethrow_exception(std::exchange(bus.thrown, nullptr));
+    if (result >= 0) continue;
+    if (!bus.is_hub) return fail(ErrorCode::kIo, fmt::format("{}: LCM cannot read", bus.url));
+    log_warning("the hub at {} is gone", bus.url);
+  }
+  return {};
+}
+
+const std::string& Bus::url() const { return state_->url; }
+bool Bus::has_ports() const { return state_->is_multicast; }
+const Bus::Counters& Bus::counters() const { return state_->counters; }
+
+}  // namespace voxatlas

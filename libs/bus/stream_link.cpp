@@ -1,0 +1,122 @@
+#include "bus/stream_link.hpp"
+
+#include <algorithm>
+
+#include "base/utime.hpp"
+#include "bus/bus_url.hpp"
+#include "bus/channels.hpp"
+#include "bus/port_connection.hpp"
+#include "bus/requests.hpp"
+
+namespace voxatlas {
+namespace {
+
+/// Data in a chunk that leaves the machine: with its headers it fits an Ethernet packet.
+constexpr std::size_t kNetworkChunkBytes = 1300;
+/// Of the payloads of one pump(), so that acknowledgements are looked at between.
+constexpr std::size_t kChunksAtOnce = 16;
+
+/// A message the bus did not take because its hub is away is as good as lost on the way: what must
+/// arrive is sent again.
+Status unless_hub_lost(Status sent) {
+  if (!sent && sent.error().code == ErrorCode::kUnavailable) return {};
+  return sent;
+}
+
+template <class T>
+void encode_into(const T& message, Bytes& bytes) {
+  bytes.resize(static_cast<std::size_t>(message.getEncodedSize()));
+  message.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+}
+
+}  // namespace
+
+struct OutLink::State {
+  State(Bus& b, PortConnection p, const Endpoint& consumer, std::int64_t session,
+        const StreamConfig& config)
+      : bus(b), port(std::move(p)), channel(consumer.chunk_channel()), producer(session, config) {}
+
+  Bus& bus;
+  PortConnection port;
+  std::string channel;
+  StreamProducer producer;
+  Bus::Subscription acks = 0;
+  Bytes encoded;  ///< Kept, so that its memory is made once.
+};
+
+OutLink::OutLink(std::unique_ptr<State> state) : state_(std::move(state)) {}
+OutLink::~OutLink() { state_->bus.unsubscribe(state_->acks); }
+
+Result<std::unique_ptr<OutLink>> OutLink::create(Bus& bus, const Endpoint& consumer,
+                                                 const StreamConfig& given) {
+  auto url = BusUrl::parse(bus.url());
+  if (!url) return pass_on(url);
+  auto port = PortConnection::open(bus, consumer);
+  if (!port) return pass_on(port);
+  auto config = given;
+  if (url->leaves_host()) config.chunk_bytes = std::min(config.chunk_bytes, kNetworkChunkBytes);
+  const auto session = config.client == 0 ? random_id() : client_session(config.client);
+  auto state = std::make_unique<State>(bus, std::move(*port), consumer, session, config);
+  auto* producer = &state->producer;
+  state->acks = bus.subscribe<ack_t>(
+      kAckChannel, [producer](const ack_t& ack) { producer->on_ack(ack, steady_utime()); });
+  return std::unique_ptr<OutLink>(new OutLink(std::move(state)));
+}
+
+StreamProducer& OutLink::producer() { return state_->producer; }
+
+Status OutLink::pump(std::int64_t now) {
+  auto& link = *state_;
+  Status status;
+  link.producer.poll(now, kChunksAtOnce, [&](const chunk_t& chunk) {
+    encode_into(chunk, link.encoded);
+    status = unless_hub_lost(link.port.bus().publish_bytes(link.channel, link.encoded));
+    return status.has_value();
+  });
+  return status;
+}
+
+struct InLink::State {
+  State(Bus& b, PortConnection p, const ConsumerConfig& config)
+      : bus(b), port(std::move(p)), consumer(random_id(), config) {}
+
+  Bus& bus;
+  PortConnection port;
+  StreamConsumer consumer;
+  Bus::Subscription chunks = 0;
+};
+
+InLink::InLink(std::unique_ptr<State> state) : state_(std::move(state)) {}
+InLink::~InLink() { state_->port.bus().unsubscribe(state_->chunks); }
+
+Result<std::unique_ptr<InLink>> InLink::create(Bus& bus, const Endpoint& self,
+                                               ConsumerConfig config) {
+  auto port = PortConnection::open(bus, self);
+  if (!port) return pass_on(port);
+  auto buffer = receive_buffer_of(port->bus().url());
+  if (!buffer) return pass_on(buffer);
+  config.receive_buffer_bytes = *buffer;
+  auto state = std::make_unique<State>(bus, std::move(*port), config);
+  auto* consumer = &state->consumer;
+  state->chunks =
+      state->port.bus().subscribe_bytes(self.chunk_channel(), [consumer](ByteView bytes) -> Status {
+        auto chunk = decode_message<chunk_t>(bytes);
+        if (!chunk) return pass_on(chunk);
+        consumer->on_chunk(std::move(*chunk), steady_utime());
+        return {};
+      });
+  return std::unique_ptr<InLink>(new InLink(std::move(state)));
+}
+
+StreamConsumer& InLink::consumer() { return state_->consumer; }
+Bus& InLink::port() { return state_->port.bus(); }
+
+Status InLink::pump(std::int64_t now) {
+  for (const auto& ack : state_->consumer.poll(now)) {
+    auto sent = unless_hub_lost(state_->bus.publish(kAckChannel, ack));
+    if (!sent) return sent;
+  }
+  return {};
+}
+
+}  // namespace voxatlas
