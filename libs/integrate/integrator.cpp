@@ -22,19 +22,6 @@ struct Ray {
   VoxelIndex end_voxel;      ///< Of `end_ecef`.
 };
 
-/// A point as the walk takes it, in voxels. Its floor is the point's voxel: adding half of the cube
-/// can round the last nanometre before a border up to the border.
-Eigen::Vector3d in_voxels(const Grid& grid, const Eigen::Vector3d& p_ecef,
-                          const VoxelIndex& voxel) {
-  Eigen::Vector3d p = p_ecef * grid.cells_per_metre() +
-                      Eigen::Vector3d::Constant(static_cast<double>(grid.half_voxels()));
-  for (int axis = 0; axis < 3; ++axis) {
-    const double upper = voxel[axis] + 1;
-    if (p[axis] >= upper) p[axis] = std::nextafter(upper, 0.0);
-  }
-  return p;
-}
-
 /// Written out, so that the order of the additions, and with it the last bit, does not depend on
 /// how a compiler or a processor likes to sum.
 double length_of(const Eigen::Vector3d& v) {
@@ -94,12 +81,12 @@ struct Integrator::State {
   std::vector<ColourMeans::Seen> seen;
 
   /// Marks every cell of the scan's rays.
-  IntegrationCounts mark(const Scan& scan, const VoxelIndex& origin_voxel);
+  IntegrationCounts mark(const Scan& scan);
 };
 
-IntegrationCounts Integrator::State::mark(const Scan& scan, const VoxelIndex& origin_voxel) {
+IntegrationCounts Integrator::State::mark(const Scan& scan) {
   IntegrationCounts counts;
-  const Eigen::Vector3d origin = in_voxels(grid, scan.origin_ecef, origin_voxel);
+  const Eigen::Vector3d origin = grid.to_voxels(scan.origin_ecef);
   const double min_range = std::max(parameters.min_range, scan.min_range);
   const bool carves = parameters.free_depth != IntegrationParameters::kNoFreeSpace;
   const int hit_shift = kDepth - hits.depth();
@@ -115,7 +102,7 @@ IntegrationCounts Integrator::State::mark(const Scan& scan, const VoxelIndex& or
     } else if (ray.kind != Ray::kBeyondMax) {
       continue;
     }
-    if (carves) carver.carve(origin, in_voxels(grid, ray.end_ecef, ray.end_voxel), misses);
+    if (carves) carver.carve(origin, grid.to_voxels(ray.end_ecef), misses);
   }
   return counts;
 }
@@ -132,8 +119,8 @@ Result<ScanDelta> Integrator::integrate(const Scan& scan) {
   if (!depth) return pass_on(depth);
   auto usable = check_scan(scan);
   if (!usable) return pass_on(usable);
-  auto origin_voxel = state_->grid.voxel_at(scan.origin_ecef);
-  if (!origin_voxel) return pass_on(origin_voxel, "scan's origin");
+  auto on_cube = state_->grid.voxel_at(scan.origin_ecef);
+  if (!on_cube) return pass_on(on_cube, "scan's origin");
 
   const auto& parameters = state_->parameters;
   state_->misses.reset(std::clamp(parameters.free_depth, 0, *depth));
@@ -141,7 +128,7 @@ Result<ScanDelta> Integrator::integrate(const Scan& scan) {
   state_->colours.clear();
   state_->seen.clear();
 
-  const auto counts = state_->mark(scan, *origin_voxel);
+  const auto counts = state_->mark(scan);
   if (!state_->seen.empty()) state_->colours.sum(state_->hits, state_->seen);
   auto delta = fold(state_->misses, state_->hits, state_->colours);
   delta.counts += counts;

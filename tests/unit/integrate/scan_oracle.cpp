@@ -20,29 +20,14 @@ GlobalCell shifted(GlobalCell cell, int shift) {
   return cell;
 }
 
-std::int64_t half_voxels(int k) {
-  // The index cube: 12 800 km, rounded up to whole tiles and split evenly about the centre.
-  return Grid::create(k)->half_voxels();
-}
+std::int64_t half_voxels(int k) { return std::int64_t{6'400'000} * k; }
 
 GlobalCell voxel_of(const Eigen::Vector3d& p, int k) {
-  GlobalCell voxel{};
-  for (int a = 0; a < 3; ++a) {
-    voxel[static_cast<std::size_t>(a)] =
-        static_cast<std::int64_t>(std::floor(p[a] * k)) + half_voxels(k);
-  }
-  return voxel;
+  const VoxelIndex voxel = Grid::create(k)->voxel_unchecked(p);
+  return {voxel.x(), voxel.y(), voxel.z()};
 }
 
-Eigen::Vector3d in_voxels(const Eigen::Vector3d& p, int k) {
-  const auto voxel = voxel_of(p, k);
-  Eigen::Vector3d v;
-  for (int a = 0; a < 3; ++a) {
-    const auto next = static_cast<double>(voxel[static_cast<std::size_t>(a)] + 1);
-    v[a] = std::min(p[a] * k + static_cast<double>(half_voxels(k)), std::nextafter(next, 0.0));
-  }
-  return v;
-}
+Eigen::Vector3d in_voxels(const Eigen::Vector3d& p, int k) { return Grid::create(k)->to_voxels(p); }
 
 /// Every cell from the origin's to the one before the end's.
 std::vector<GlobalCell> cells_before_end(const Eigen::Vector3d& from, const Eigen::Vector3d& to,
