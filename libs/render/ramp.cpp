@@ -1,0 +1,66 @@
+#include "render/ramp.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace voxatlas {
+namespace {
+
+constexpr double kTallest = 25;  // Metres: where the ramps end.
+
+std::uint8_t between(std::uint8_t a, std::uint8_t b, double t) {
+  return static_cast<std::uint8_t>(std::lround(a + t * (b - a)));
+}
+
+/// Zero for NaN, too.
+double hold(double t) { return t > 0 ? std::min(t, 1.0) : 0.0; }
+
+template <std::size_t N>
+Rgb along(const std::array<Rgb, N>& colours, double t) {
+  const double at = hold(t) * (N - 1);
+  const auto i = std::min(static_cast<std::size_t>(at), N - 2);
+  const double rest = at - static_cast<double>(i);
+  const Rgb a = colours[i];
+  const Rgb b = colours[i + 1];
+  return {between(a.r, b.r, rest), between(a.g, b.g, rest), between(a.b, b.b, rest)};
+}
+
+}  // namespace
+
+Rgb ramp_colour(double t) {
+  static constexpr std::array<Rgb, 9> kColours = {{{70, 50, 126},
+                                                   {63, 80, 150},
+                                                   {51, 110, 155},
+                                                   {42, 139, 152},
+                                                   {52, 167, 138},
+                                                   {101, 191, 114},
+                                                   {160, 210, 80},
+                                                   {215, 224, 70},
+                                                   {250, 236, 120}}};
+  return along(kColours, t);
+}
+
+Rgb height_colour(double metres_above_ground) {
+  return ramp_colour(std::sqrt(hold(metres_above_ground / kTallest)));
+}
+
+Rgb neutral_colour(double metres_above_ground) {
+  static constexpr std::array<Rgb, 4> kColours = {
+      {{118, 120, 126}, {158, 156, 152}, {190, 184, 174}, {222, 216, 206}}};
+  return along(kColours, std::sqrt(hold(metres_above_ground / kTallest)));
+}
+
+Rgb depth_colour(int depth) {
+  static constexpr std::array<Rgb, 8> kColours = {{{136, 34, 85},
+                                                   {170, 68, 153},
+                                                   {204, 102, 119},
+                                                   {221, 204, 119},
+                                                   {153, 153, 51},
+                                                   {17, 119, 51},
+                                                   {68, 170, 153},
+                                                   {136, 204, 238}}};
+  return kColours[static_cast<std::size_t>(std::clamp(depth, 0, 7))];
+}
+
+}  // namespace voxatlas

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <string>
+
+#include "base/result.hpp"
+#include "grid/grid.hpp"
+#include "render/camera.hpp"
+#include "render/cell_image.hpp"
+#include "render/image.hpp"
+
+namespace voxatlas {
+
+/// What a cell's colour tells.
+enum class Colouring {
+  kRgb,          ///< What scans saw; cells without colour are grey by height.
+  kHeight,       ///< Height above the scene's ground.
+  kProbability,  ///< From 0.5 to 1.
+  kLeafDepth,    ///< The depth of its leaf.
+};
+
+/// "rgb", "height", "probability", "depth".
+const char* name_of(Colouring colouring);
+/// Errors: kInvalid, naming the word and the choice.
+Result<Colouring> colouring_of(const std::string& name);
+
+/// Which way is up in a scene, and where its ground is, metres along `up` from the camera.
+///
+/// The ground is that height below which 5 % of the cells lie: a few points that a window mirrored
+/// underground do not count.
+struct SceneHeights {
+  Eigen::Vector3d up_ecef = Eigen::Vector3d::UnitZ();
+  double ground = 0;
+};
+SceneHeights scene_heights(const Camera& camera, const Grid& grid,
+                           std::span<const PlacedCloud> clouds);
+
+/// The picture: each cell in its colour, under eye-dome light; behind them the sky, lighter towards
+/// the horizon, and grey below it, where nothing is known.
+/// Cost: some 30 ns a pixel.
+Image shade(const CellImage& cells, const CellNumbers& numbers, const Camera& camera,
+            const Grid& grid, const SceneHeights& heights, Colouring colouring);
+
+}  // namespace voxatlas

@@ -1,0 +1,106 @@
+#include "render/street_map.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace voxatlas {
+namespace {
+
+constexpr double kBlock = 4;  // Metres: the ground is one height in a block.
+constexpr int kBlocks = static_cast<int>(2 * StreetMap::kReach / kBlock);
+constexpr int kSquares = static_cast<int>(2 * StreetMap::kReach / StreetMap::kSquare);
+constexpr double kKnee = 0.6, kOverhead = 3.0;  // Metres above ground: what stands there blocks.
+constexpr double kHalfWidth = 1.2;              // Metres to each side of a clear way.
+constexpr double kSteepest = 0.12;  // Streets rise less; a roof's "ground" is no street.
+
+std::size_t at(int x, int y, int side) {
+  return static_cast<std::size_t>(y) * static_cast<std::size_t>(side) + static_cast<std::size_t>(x);
+}
+
+bool inside(int x, int y, int side) { return x >= 0 && y >= 0 && x < side && y < side; }
+
+std::vector<Eigen::Vector3f> cells_in(const EnuFrame& frame, const Grid& grid,
+                                      std::span<const PlacedCloud> clouds) {
+  std::vector<Eigen::Vector3f> cells;
+  const Eigen::Matrix3d enu_from_ecef = frame.ecef_from_enu().rotation().transpose();
+  for (const auto& placed : clouds) {
+    const Eigen::Vector3d corner = frame.to_enu(grid.min_corner(placed.key));
+    for (const DrawnCell& cell : placed.cloud->cells()) {
+      const Eigen::Vector3d offset = cell.centre_voxels().cast<double>() / grid.cells_per_metre();
+      const Eigen::Vector3d p = corner + enu_from_ecef * offset;
+      if (p.head<2>().cwiseAbs().maxCoeff() < StreetMap::kReach) cells.push_back(p.cast<float>());
+    }
+  }
+  return cells;
+}
+
+/// The height below which a tenth of a block's cells lie: no single mirrored point decides.
+float low_height(std::vector<float>& heights) {
+  constexpr std::size_t kFewest = 12;
+  if (heights.size() < kFewest) return std::numeric_limits<float>::quiet_NaN();
+  const auto low = heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 10);
+  std::nth_element(heights.begin(), low, heights.end());
+  return *low;
+}
+
+}  // namespace
+
+StreetMap::Square StreetMap::square_of(const Eigen::Vector2d& p, double edge) {
+  return {static_cast<int>(std::floor((p.x() + kReach) / edge)),
+          static_cast<int>(std::floor((p.y() + kReach) / edge))};
+}
+
+StreetMap::StreetMap(const EnuFrame& frame, const Grid& grid, std::span<const PlacedCloud> clouds) {
+  const auto cells = cells_in(frame, grid, clouds);
+  std::vector<std::vector<float>> heights(std::size_t{kBlocks} * kBlocks);
+  for (const auto& p : cells) {
+    const auto [x, y] = square_of(p.head<2>().cast<double>(), kBlock);
+    if (inside(x, y, kBlocks)) heights[at(x, y, kBlocks)].push_back(p.z());
+  }
+  ground_.resize(heights.size());
+  std::transform(heights.begin(), heights.end(), ground_.begin(), low_height);
+  blocked_.resize(std::size_t{kSquares} * kSquares);
+  for (const auto& p : cells) {
+    const Eigen::Vector2d place = p.head<2>().cast<double>();
+    const auto [x, y] = square_of(place, kSquare);
+    const auto floor = ground(place);
+    if (!floor || !inside(x, y, kSquares)) continue;
+    const double above = p.z() - *floor;
+    if (above > kKnee && above < kOverhead) blocked_[at(x, y, kSquares)] = true;
+  }
+}
+
+std::optional<double> StreetMap::ground(const Eigen::Vector2d& p) const {
+  const auto [x, y] = square_of(p, kBlock);
+  if (!inside(x, y, kBlocks) || std::isnan(ground_[at(x, y, kBlocks)])) return std::nullopt;
+  return ground_[at(x, y, kBlocks)];
+}
+
+bool StreetMap::blocked(const Eigen::Vector2d& p, double radius) const {
+  const auto [low_x, low_y] = square_of(p - Eigen::Vector2d::Constant(radius), kSquare);
+  const auto [high_x, high_y] = square_of(p + Eigen::Vector2d::Constant(radius), kSquare);
+  for (int y = low_y; y <= high_y; ++y) {
+    for (int x = low_x; x <= high_x; ++x) {
+      if (inside(x, y, kSquares) && blocked_[at(x, y, kSquares)]) return true;
+    }
+  }
+  return false;
+}
+
+double StreetMap::clear_way(const Eigen::Vector2d& p, const Eigen::Vector2d& direction,
+                            double limit) const {
+  const auto start = ground(p);
+  if (!start) return 0;
+  double clear = 0;
+  while (clear < limit) {
+    const Eigen::Vector2d next = p + (clear + kSquare) * direction;
+    const auto floor = ground(next);
+    if (!floor || std::abs(*floor - *start) > 0.5 + kSteepest * clear) break;
+    if (blocked(next, kHalfWidth)) break;
+    clear += kSquare;
+  }
+  return clear;
+}
+
+}  // namespace voxatlas
