@@ -30,6 +30,18 @@ bool get_parts(ByteReader& in, Get get, IsZero is_zero) {
   return all_bits(parts, [&](unsigned i) { return get(i) && !is_zero(i); }) && in.ok();
 }
 
+constexpr std::size_t kMaxWordBytes = 9;
+
+/// Writes a word's tree and returns where it ends.
+std::uint8_t* write_word(std::uint64_t word, std::uint8_t* at) {
+  unsigned parts = nonzero_bytes(word);
+  *at++ = static_cast<std::uint8_t>(parts);
+  for (; parts != 0; parts &= parts - 1) {
+    *at++ = static_cast<std::uint8_t>(word >> 8 * std::countr_zero(parts));
+  }
+  return at;
+}
+
 bool is_zero(std::span<const std::uint64_t> words) {
   std::uint64_t all = 0;
   for (const auto word : words) all |= word;
@@ -39,24 +51,19 @@ bool is_zero(std::span<const std::uint64_t> words) {
 }  // namespace
 
 void put_word(std::uint64_t word, ByteWriter& out) {
-  const std::uint8_t parts = nonzero_bytes(word);
-  std::array<std::uint8_t, 9> bytes{parts};
-  std::size_t size = 1;
-  all_bits(parts, [&](unsigned i) {
-    bytes[size++] = static_cast<std::uint8_t>(word >> 8 * i);
-    return true;
-  });
-  out.put_bytes(ByteView(bytes.data(), size));
+  std::array<std::uint8_t, kMaxWordBytes> bytes;
+  out.put_bytes(ByteView(bytes.data(), write_word(word, bytes.data())));
 }
 
 void put_block(std::span<const std::uint64_t, 8> block, ByteWriter& out) {
-  unsigned parts = 0;
-  for (unsigned i = 0; i < 8; ++i) parts |= unsigned{block[i] != 0} << i;
-  out.put(static_cast<std::uint8_t>(parts));
-  all_bits(parts, [&](unsigned i) {
-    put_word(block[i], out);
-    return true;
-  });
+  std::array<std::uint8_t, 1 + 8 * kMaxWordBytes> bytes{};
+  std::uint8_t* at = bytes.data() + 1;
+  for (unsigned i = 0; i < 8; ++i) {
+    if (block[i] == 0) continue;
+    bytes[0] |= static_cast<std::uint8_t>(1u << i);
+    at = write_word(block[i], at);
+  }
+  out.put_bytes(ByteView(bytes.data(), at));
 }
 
 void put_plane(std::span<const std::uint64_t, 64> plane, ByteWriter& out) {
@@ -71,13 +78,14 @@ void put_plane(std::span<const std::uint64_t, 64> plane, ByteWriter& out) {
 
 bool get_word(ByteReader& in, std::uint64_t& word) {
   word = 0;
-  return get_parts(
-      in,
-      [&](unsigned i) {
-        word |= std::uint64_t{in.get<std::uint8_t>()} << 8 * i;
-        return in.ok();
-      },
-      [&](unsigned i) { return (word >> 8 * i & 0xff) == 0; });
+  const unsigned parts = in.get<std::uint8_t>();
+  const ByteView bytes = in.get_bytes(static_cast<unsigned>(std::popcount(parts)));
+  if (!in.ok()) return false;
+  const std::uint8_t* at = bytes.data();
+  return all_bits(parts, [&](unsigned i) {
+    word |= std::uint64_t{*at} << 8 * i;
+    return *at++ != 0;
+  });
 }
 
 bool get_block(ByteReader& in, std::span<std::uint64_t, 8> block) {
