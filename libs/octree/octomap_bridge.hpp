@@ -19,7 +19,8 @@ namespace voxatlas {
 std::unique_ptr<octomap::ColorOcTree> to_octomap(const TileTree& tree, const Grid& grid);
 
 /// The inverse. Errors: kOutOfRange for a tree of another resolution, a node outside the 128 cells
-/// of the tile, or a log-odds that is not below 8 in magnitude; values are rounded to the lattice.
+/// of the tile, or a log-odds that is not below 8 in magnitude; values are rounded to the lattice,
+/// and the colour of a free node is dropped.
 Result<TileTree> from_octomap(const octomap::ColorOcTree& octomap_tree, const Grid& grid);
 
 }  // namespace voxatlas
