@@ -6,7 +6,6 @@ the route on `lo` where it may; if that fails too it starts the bundled TCP hub 
 """
 
 import os
-import socket
 import subprocess
 
 DEFAULT_URL = "udpm://239.255.76.67:7667?ttl=0"
@@ -18,19 +17,20 @@ class BusError(Exception):
 
 
 class Bus:
-    """A URL that works, and what was done for it: `hub_port` where a hub has to run for it."""
+    """A URL that works, and what was done for it. `url` is None where a hub has to run first."""
 
-    def __init__(self, url, how, hub_port=None, route_added=False):
+    def __init__(self, url, how, route_added=False):
         self.url = url
         self.how = how
-        self.hub_port = hub_port
         self.route_added = route_added
 
     @staticmethod
     def find(bin_dir, url=None, hub=False):
         """`url`: this one and no other. `hub`: the hub at once. Neither: whatever works."""
-        if hub or (url is None and os.environ.get("VOX_NAMESPACE") == "0"):
-            return Bus.on_hub("the hub, as asked" if hub else "the hub: no namespace here")
+        if hub:
+            return Bus(None, "the hub, as asked")
+        if url is None and os.environ.get("VOX_NAMESPACE") == "0":
+            return Bus(None, "the hub, for want of a network namespace")
         wanted = url or os.environ.get("LCM_DEFAULT_URL") or DEFAULT_URL
         reason = probe(bin_dir, wanted)
         if reason is None:
@@ -41,12 +41,10 @@ class Bus:
             remove_route()
         if url is not None:
             raise BusError(f"no message comes back on {wanted}: {reason}")
-        return Bus.on_hub(f"the hub, as no message comes back on {wanted}: {reason}")
+        return Bus(None, f"the hub, as no message comes back on {wanted}: {reason}")
 
-    @staticmethod
-    def on_hub(how):
-        port = free_port()
-        return Bus(f"tcpq://127.0.0.1:{port}", how, hub_port=port)
+    def hub_runs(self, port):
+        self.url = f"tcpq://127.0.0.1:{port}"
 
     def leave(self):
         """Undoes what find() did to the machine."""
@@ -79,10 +77,3 @@ def _ip(*arguments):
         return subprocess.run(["ip", *arguments], capture_output=True, check=False).returncode == 0
     except FileNotFoundError:
         return False
-
-
-def free_port():
-    """A TCP port of 127.0.0.1 that nobody listens on now."""
-    with socket.socket() as probe_socket:
-        probe_socket.bind(("127.0.0.1", 0))
-        return probe_socket.getsockname()[1]

@@ -68,10 +68,11 @@ class Service:
         self.env = env
         self.process = None
 
-    def start(self, ended):
+    def start(self, ended, stdout=None):
+        """`stdout`: where that goes, if not into the log as stderr does."""
         with open(self.log_path, "ab") as log:
-            self.process = start_process(self.command, self.env, ended, stdout=log, stderr=log,
-                                         start_new_session=True)
+            self.process = start_process(self.command, self.env, ended, stdout=stdout or log,
+                                         stderr=log, start_new_session=True)
 
     def is_running(self):
         return self.process is not None and self.process.poll() is None
@@ -131,15 +132,28 @@ class ServiceSet:
         except OSError as error:
             raise SetError(f"data folder {self.data_dir}: {error.strerror}") from error
         self.bus = Bus.find(self.bin_dir, **self.wanted)
-        self.services = self._all_services()
-        for service in self.services:
+        if self.bus.url is None:
+            self._start_hub()
+        services = self._services()
+        self.services += services
+        for service in services:
             service.start(self.ended)
         self.wait_until_ready()
 
-    def _all_services(self):
+    def _start_hub(self):
+        """The hub takes a free port and says which, once it listens."""
+        hub = self._service("hub", 0, "--port", 0)
+        hub.start(self.ended, subprocess.PIPE)
+        self.services.append(hub)
+        said = hub.process.stdout.readline().decode().split()
+        if len(said) != 2 or said[0] != "ready":
+            hub.kill()
+            raise SetError(hub.obituary())
+        self.bus.hub_runs(said[1])
+        hub.command[-1] = said[1]  # Started again, it comes back where its clients look for it.
+
+    def _services(self):
         services = []
-        if self.bus.hub_port:
-            services.append(self._service("hub", 0, "--port", self.bus.hub_port))
         stores = self.counts["tilestore"]
         for shard in range(stores):
             services.append(self._service(
@@ -157,7 +171,8 @@ class ServiceSet:
 
     def env(self):
         """What each program of the set, and each that talks to it, sees."""
-        return {**os.environ, "LCM_DEFAULT_URL": self.bus.url}
+        url = {"LCM_DEFAULT_URL": self.bus.url} if self.bus.url else {}
+        return {**os.environ, **url}
 
     def wait_until_ready(self):
         self.run("watch", "status", "--until-ready", sum(self.counts.values()), "--timeout",
