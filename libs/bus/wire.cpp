@@ -1,6 +1,6 @@
 #include "bus/wire.hpp"
 
-#include <algorithm>
+#include <cstring>
 
 namespace voxatlas {
 namespace {
@@ -70,8 +70,10 @@ class ShapeWalk {
       return fail(ErrorCode::kCorrupt, fmt::format("string of length 0 at byte {}", at));
     }
     if (auto text = skip(length_); !text) return text;
-    if (bytes_[at_ - 1] != 0) {
-      return fail(ErrorCode::kCorrupt, fmt::format("string without its zero at byte {}", at));
+    const auto* text_begin = bytes_.data() + (at_ - length_);
+    if (std::memchr(text_begin, 0, length_) != text_begin + length_ - 1) {
+      return fail(ErrorCode::kCorrupt,
+                  fmt::format("string at byte {} does not end at its first zero", at));
     }
     return {};
   }
