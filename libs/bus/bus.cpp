@@ -60,12 +60,14 @@ struct Bus::State {
   void dispatch(Channel& channel, const char* name, ByteView bytes);
   void log_undecodable(const char* name, const Error& error);
   void purge();
-  void set_no_delay() const;
+  void notice_connection();
   void reconnect();
 
   std::string url;
   bool is_hub = false;
   bool is_multicast = false;
+  int hub_fd = -1;        ///< The connection to a hub that is set up; -1: none.
+  bool was_lost = false;  ///< And there was one before.
   lcm_t* lcm = nullptr;
   std::map<std::string, std::unique_ptr<Channel>> channels;
   std::map<Subscription, std::string> channel_of;
@@ -127,10 +129,17 @@ void Bus::State::purge() {
   }
 }
 
-/// Small messages through the hub would wait 40 ms for an acknowledgement of TCP's.
-void Bus::State::set_no_delay() const {
+/// After any call that may have found a hub or lost it. Without NODELAY, small messages would wait
+/// 40 ms for an acknowledgement of TCP's.
+void Bus::State::notice_connection() {
+  const int fd = is_hub ? lcm_get_fileno(lcm) : -1;
+  if (fd == hub_fd) return;
+  if (hub_fd >= 0) log_warning("the hub at {} is gone", url);
+  if (hub_fd < 0 && was_lost) log_info("the hub at {} is back", url);
+  was_lost = fd < 0;
+  hub_fd = fd;
   const int on = 1;
-  ::setsockopt(lcm_get_fileno(lcm), IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+  if (fd >= 0) ::setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
 }
 
 void Bus::State::reconnect() {
@@ -138,9 +147,7 @@ void Bus::State::reconnect() {
   if (last_reconnect != 0 && now - last_reconnect < kReconnectUs) return;
   last_reconnect = now;
   lcm_publish(lcm, kReconnectChannel, "", 0);
-  if (lcm_get_fileno(lcm) < 0) return;
-  set_no_delay();
-  log_info("the hub at {} is back", url);
+  notice_connection();
 }
 
 Bus::Bus(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -168,7 +175,7 @@ Result<std::unique_ptr<Bus>> Bus::create(const std::string& text) {
       return fail(ErrorCode::kUnavailable,
                   fmt::format("no hub at {}: voxatlas-hub is not running there", state->url));
     }
-    state->set_no_delay();
+    state->notice_connection();
   }
   return std::unique_ptr<Bus>(new Bus(std::move(state)));
 }
@@ -186,6 +193,7 @@ Status Bus::publish_bytes(const std::string& channel, const Bytes& bytes) {
   }
   if (lcm_publish(bus.lcm, channel.c_str(), bytes.data(), static_cast<unsigned>(bytes.size())) !=
       0) {
+    bus.notice_connection();
     return fail(
         bus.is_hub ? ErrorCode::kUnavailable : ErrorCode::kIo,
         fmt::format("{}: LCM could not send {} bytes to {}", channel, bytes.size(), bus.url));
@@ -208,6 +216,7 @@ Bus::Subscription Bus::subscribe_bytes(const std::string& name,
     } else {
       lcm_subscription_set_queue_capacity(channel->subscription, kQueuedMessages);
     }
+    bus.notice_connection();
   }
   const auto id = ++bus.last_subscription;
   channel->handlers.push_back(std::make_unique<Handler>(Handler{id, std::move(handler)}));
@@ -247,7 +256,7 @@ Status Bus::handle_waiting() {
     if (bus.thrown) std::rethrow_exception(std::exchange(bus.thrown, nullptr));
     if (result >= 0) continue;
     if (!bus.is_hub) return fail(ErrorCode::kIo, fmt::format("{}: LCM cannot read", bus.url));
-    log_warning("the hub at {} is gone", bus.url);
+    bus.notice_connection();
   }
   return {};
 }

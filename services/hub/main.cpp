@@ -1,0 +1,84 @@
+// voxatlas-hub: a bus over TCP where multicast does not work.
+//
+//   every channel, from every client to every client that asked for it (LCM's tcpq protocol)
+//
+// A last resort: correct, not fast. Clients use the URL tcpq://127.0.0.1:PORT.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+
+#include "base/log.hpp"
+#include "bus/bus_url.hpp"
+#include "bus/service_loop.hpp"
+#include "hub/hub_server.hpp"
+
+namespace voxatlas {
+
+struct Options {
+  std::string address = "127.0.0.1";
+  std::int32_t port = 7700;
+  std::string probe;
+};
+
+static void declare(CLI::App& app, Options& options);
+static int serve(const Options& options);
+static int probe(const std::string& url);
+
+}  // namespace voxatlas
+
+int main(int argc, char** argv) {
+  voxatlas::Options options;
+  CLI::App app{"voxatlas hub: carries the bus over TCP where there is no multicast"};
+  voxatlas::declare(app, options);
+  CLI11_PARSE(app, argc, argv);
+  try {
+    return options.probe.empty() ? voxatlas::serve(options) : voxatlas::probe(options.probe);
+  } catch (const std::exception& e) {
+    fmt::print(stderr, "voxatlas-hub: {}\n", e.what());
+    return 1;
+  }
+}
+
+namespace voxatlas {
+
+static void declare(CLI::App& app, Options& options) {
+  app.add_option("--port", options.port, "TCP port; 0 takes a free one and says which")
+      ->check(CLI::Range(0, 65'535))
+      ->capture_default_str();
+  app.add_option("--address", options.address,
+                 "address to listen on; anything but 127.0.0.1 lets others write to the model")
+      ->capture_default_str();
+  app.add_option("--probe", options.probe,
+                 "do not serve: try this bus URL with a 60 kB message to itself; exit code 0 if it "
+                 "comes back, else 1 and the reason");
+}
+
+static int serve(const Options& options) {
+  set_log_name("hub");
+  stop_on_signals();
+  auto server = HubServer::listen(options.address, options.port, HubConfig{});
+  if (!server) {
+    fmt::print(stderr, "voxatlas-hub: {}\n", server.error().message);
+    return 1;
+  }
+  fmt::print("ready {}\n", (*server)->port());
+  std::fflush(stdout);
+  constexpr int kLongestWaitMs = 500;
+  while (!stop_requested()) {
+    if (auto served = (*server)->serve(kLongestWaitMs); !served) {
+      fmt::print(stderr, "voxatlas-hub: {}\n", served.error().message);
+      return 1;
+    }
+  }
+  return 0;
+}
+
+static int probe(const std::string& url) {
+  const auto probed = probe_bus(url);
+  if (!probed) fmt::print(stderr, "voxatlas-hub: {}\n", probed.error().message);
+  return probed ? 0 : 1;
+}
+
+}  // namespace voxatlas
