@@ -9,7 +9,8 @@ namespace {
 constexpr std::array<std::uint16_t, 16> kSpread = {0,   1,   8,   9,   64,  65,  72,  73,
                                                    512, 513, 520, 521, 576, 577, 584, 585};
 
-/// Where marks of depth 5..7 are: a block is a brick.
+/// Where marks of depth 5..7 are: a block is a brick's plane of the main axis.
+template <int kMain>
 struct BrickBlocks {
   Marks& marks;
   int shift;  ///< From a cell to its brick.
@@ -18,38 +19,48 @@ struct BrickBlocks {
   explicit BrickBlocks(Marks& m)
       : marks(m), shift(m.depth() - kBrickDepth), up(kDepth - m.depth()) {}
 
-  /// An axis' share of a cell's bit in its block.
-  std::uint32_t part(int axis, int c) const {
-    return (static_cast<std::uint32_t>(c) << up & 7) << 3 * axis;
-  }
   std::uint64_t* words(const VoxelIndex& cell) const {
     const auto top = [&](int axis) {
       return std::uint32_t{kSpread[static_cast<std::size_t>(cell[axis] >> shift & 15)]} << axis;
     };
     const auto tile = marks.tile_slot(cell);
-    return marks.bits(marks.brick_slot(tile, top(0) | top(1) | top(2))).data();
+    return marks.planes(marks.brick_slot(tile, top(0) | top(1) | top(2)))[kMain].data();
+  }
+  std::uint64_t bit(int u, int v) const {
+    return std::uint64_t{1} << ((v << up & 7) << 3 | (u << up & 7));
+  }
+  void set(std::uint64_t* words, int a, int u, int v) const { words[a << up & 7] |= bit(u, v); }
+  void set(std::uint64_t* words, int a, const std::array<int, 3>& u,
+           const std::array<int, 3>& v) const {
+    words[a << up & 7] |= bit(u[0], v[0]) | bit(u[1], v[1]) | bit(u[2], v[2]);
   }
 };
 
 /// Where marks of depth 0..4 are: a block is a tile.
+template <int kMain>
 struct TileBlocks {
+  static constexpr int kU = kMain == 0 ? 1 : 0, kV = kMain == 2 ? 1 : 2;
   Marks& marks;
   int shift;
   int wrap;
 
   explicit TileBlocks(Marks& m) : marks(m), shift(m.depth()), wrap((1 << m.depth()) - 1) {}
 
-  std::uint32_t part(int axis, int c) const {
-    return std::uint32_t{kSpread[static_cast<std::size_t>(c & wrap)]} << axis;
-  }
   std::uint64_t* words(const VoxelIndex& cell) const {
     return marks.tile(marks.tile_slot(cell)).top.data();
   }
+  std::uint32_t part(int axis, int c) const {
+    return std::uint32_t{kSpread[static_cast<std::size_t>(c & wrap)]} << axis;
+  }
+  void set(std::uint64_t* words, int a, int u, int v) const {
+    const auto bit = part(kMain, a) | part(kU, u) | part(kV, v);
+    words[bit >> 6] |= std::uint64_t{1} << (bit & 63);
+  }
+  void set(std::uint64_t* words, int a, const std::array<int, 3>& u,
+           const std::array<int, 3>& v) const {
+    for (std::size_t i = 0; i < 3; ++i) set(words, a, u[i], v[i]);
+  }
 };
-
-inline void set_bit(std::uint64_t* words, std::uint32_t bit) {
-  words[bit >> 6] |= std::uint64_t{1} << (bit & 63);
-}
 
 /// Whether a crossing of one axis comes before one of another: ties in the order x, y, z.
 template <int kAxis, int kOther>
@@ -78,24 +89,24 @@ void Carver::Axis::aim(double origin, double end, int shift) {
 }
 
 template <int kMain, class Blocks>
-void Carver::carve_slabs(Blocks& blocks) {
+void Carver::carve_slabs(const Blocks& blocks) {
   constexpr int kU = kMain == 0 ? 1 : 0, kV = kMain == 2 ? 1 : 2;
   const double* slab_times = axes_[kMain].times.data();
   const double* u_time = axes_[kU].times.data();
   const double* v_time = axes_[kV].times.data();
   const int u_direction = axes_[kU].direction, v_direction = axes_[kV].direction;
-  VoxelIndex cell(axes_[0].first_cell, axes_[1].first_cell, axes_[2].first_cell);
-  VoxelIndex block_cell = cell;
-  std::uint64_t* words = blocks.words(cell);
+  int a = axes_[kMain].first_cell, u = axes_[kU].first_cell, v = axes_[kV].first_cell;
+  int block_a = -1, block_u = 0, block_v = 0;  // Any cell of the current block.
+  std::uint64_t* words = nullptr;
 
-  const auto enter_block = [&] {
-    const int outside =
-        (cell[0] ^ block_cell[0]) | (cell[1] ^ block_cell[1]) | (cell[2] ^ block_cell[2]);
-    if (outside >> blocks.shift != 0) words = blocks.words(block_cell = cell);
-  };
-  const auto mark = [&] {
-    enter_block();
-    set_bit(words, blocks.part(0, cell[0]) | blocks.part(1, cell[1]) | blocks.part(2, cell[2]));
+  const auto mark = [&](int at_u, int at_v) {
+    if (((a ^ block_a) | (at_u ^ block_u) | (at_v ^ block_v)) >> blocks.shift != 0) {
+      block_a = a, block_u = at_u, block_v = at_v;
+      VoxelIndex cell;
+      cell[kMain] = a, cell[kU] = at_u, cell[kV] = at_v;
+      words = blocks.words(cell);
+    }
+    blocks.set(words, a, at_u, at_v);
   };
   // One cell after the other up to a crossing of the main axis; the last one is not marked.
   const auto mark_until = [&](double end) {
@@ -103,65 +114,66 @@ void Carver::carve_slabs(Blocks& blocks) {
       const bool u_first = before<kU, kV>(*u_time, *v_time);
       const bool any = u_first ? before<kU, kMain>(*u_time, end) : before<kV, kMain>(*v_time, end);
       if (!any || (u_first ? *u_time : *v_time) == std::numeric_limits<double>::infinity()) return;
-      mark();
-      cell[u_first ? kU : kV] += u_first ? u_direction : v_direction;
+      mark(u, v);
+      (u_first ? u : v) += u_first ? u_direction : v_direction;
       ++(u_first ? u_time : v_time);
     }
   };
 
   for (std::uint32_t slab = 0; slab < axes_[kMain].crossings; ++slab) {
     const double end = slab_times[slab];
-    const int a = cell[kMain], u = cell[kU], v = cell[kV];
     const int u_steps = before<kU, kMain>(*u_time, end), v_steps = before<kV, kMain>(*v_time, end);
-    const int u_next = u + (u_steps ? u_direction : 0), v_next = v + (v_steps ? v_direction : 0);
-    enter_block();
-    const int outside = (u_next ^ u) | (v_next ^ v);
-    const bool twice =
-        before<kU, kMain>(u_time[u_steps], end) || before<kV, kMain>(v_time[v_steps], end);
-    if (outside >> blocks.shift != 0 || twice) {
-      mark_until(end);
-      mark();
+    const int twice =
+        before<kU, kMain>(u_time[u_steps], end) | before<kV, kMain>(v_time[v_steps], end);
+    const int u_first = before<kU, kV>(*u_time, *v_time);
+    const int u_move = u_direction & -u_steps, v_move = v_direction & -v_steps;
+    const int u_mid = u + (u_move & -u_first), v_mid = v + (v_move & (u_first - 1));
+    const int u_next = u + u_move, v_next = v + v_move;
+    const int apart =
+        (a ^ block_a) | (u ^ block_u) | (v ^ block_v) | (u_next ^ block_u) | (v_next ^ block_v);
+    if (((apart >> blocks.shift) | twice) == 0) {
+      blocks.set(words, a, {u, u_mid, u_next}, {v, v_mid, v_next});
+    } else if (twice == 0) {
+      mark(u, v);
+      mark(u_mid, v_mid);
+      mark(u_next, v_next);
     } else {
-      const bool u_first = before<kU, kV>(*u_time, *v_time);
-      const auto part = blocks.part(kMain, a);
-      const auto u_part = blocks.part(kU, u), u_next_part = blocks.part(kU, u_next);
-      const auto v_part = blocks.part(kV, v), v_next_part = blocks.part(kV, v_next);
-      set_bit(words, part | u_part | v_part);
-      set_bit(words, part | (u_first ? u_next_part | v_part : u_part | v_next_part));
-      set_bit(words, part | u_next_part | v_next_part);
-      u_time += u_steps;
-      v_time += v_steps;
-      cell[kU] = u_next;
-      cell[kV] = v_next;
+      mark_until(end);
+      mark(u, v);
+      a += axes_[kMain].direction;
+      continue;
     }
-    cell[kMain] += axes_[kMain].direction;
+    u = u_next, v = v_next;
+    u_time += u_steps, v_time += v_steps;
+    a += axes_[kMain].direction;
   }
   mark_until(std::numeric_limits<double>::infinity());
 }
 
-template <class Blocks>
-void Carver::carve_into(Blocks blocks) {
+template <template <int> class Blocks>
+void Carver::carve_into(Marks& misses) {
   const auto x = axes_[0].crossings, y = axes_[1].crossings, z = axes_[2].crossings;
   if (x + y + z == 0) return;
   if (x >= y && x >= z) {
-    carve_slabs<0>(blocks);
+    carve_slabs<0>(Blocks<0>(misses));
   } else if (y >= z) {
-    carve_slabs<1>(blocks);
+    carve_slabs<1>(Blocks<1>(misses));
   } else {
-    carve_slabs<2>(blocks);
+    carve_slabs<2>(Blocks<2>(misses));
   }
 }
 
 void Carver::carve(const Eigen::Vector3d& origin_voxels, const Eigen::Vector3d& end_voxels,
                    Marks& misses) {
+  if (misses.depth() == kDepth && voxels_.carve(origin_voxels, end_voxels, misses)) return;
   for (int axis = 0; axis < 3; ++axis) {
     axes_[static_cast<std::size_t>(axis)].aim(origin_voxels[axis], end_voxels[axis],
                                               kDepth - misses.depth());
   }
   if (misses.has_bricks()) {
-    carve_into(BrickBlocks(misses));
+    carve_into<BrickBlocks>(misses);
   } else {
-    carve_into(TileBlocks(misses));
+    carve_into<TileBlocks>(misses);
   }
 }
 

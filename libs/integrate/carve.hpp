@@ -4,6 +4,7 @@
 #include <array>
 #include <vector>
 
+#include "integrate/carve_voxels.hpp"
 #include "integrate/marks.hpp"
 
 namespace voxatlas {
@@ -22,6 +23,7 @@ namespace voxatlas {
 ///         finds its cells.
 class Carver {
  public:
+  /// Leaves marks in every plane: Marks::merge() before they are read.
   void carve(const Eigen::Vector3d& origin_voxels, const Eigen::Vector3d& end_voxels,
              Marks& misses);
 
@@ -37,12 +39,13 @@ class Carver {
     void aim(double origin, double end, int shift);
   };
 
-  template <class Blocks>
-  void carve_into(Blocks blocks);
+  template <template <int> class Blocks>
+  void carve_into(Marks& misses);
   template <int kMain, class Blocks>
-  void carve_slabs(Blocks& blocks);
+  void carve_slabs(const Blocks& blocks);
 
   std::array<Axis, 3> axes_;
+  VoxelCarver voxels_;
 };
 
 }  // namespace voxatlas

@@ -129,6 +129,7 @@ Result<ScanDelta> Integrator::integrate(const Scan& scan) {
   state_->seen.clear();
 
   const auto counts = state_->mark(scan);
+  state_->misses.merge();
   if (!state_->seen.empty()) state_->colours.sum(state_->hits, state_->seen);
   auto delta = fold(state_->misses, state_->hits, state_->colours);
   delta.counts += counts;

@@ -11,13 +11,62 @@ constexpr std::size_t kFirstTable = 1024;
 /// A scan that needed more than this is rare: its buffers are given back, not kept.
 constexpr std::size_t kKeptBytes = std::size_t{256} << 20;
 
+/// Exchanges, in each pair of words, the bits under `mask << shift` of the first with those under
+/// `mask` of the second.
+void exchange(std::uint64_t& a, std::uint64_t& b, int shift, std::uint64_t mask) {
+  const std::uint64_t swapped = (a >> shift ^ b) & mask;
+  a ^= swapped << shift;
+  b ^= swapped;
+}
+
+/// Byte i of word j becomes byte j of word i.
+void transpose_bytes(BrickBits& w) {
+  for (std::size_t i = 0; i < 4; ++i) exchange(w[i], w[i + 4], 32, 0x00000000ffffffffu);
+  for (const std::size_t i : {0, 1, 4, 5}) exchange(w[i], w[i + 2], 16, 0x0000ffff0000ffffu);
+  for (const std::size_t i : {0, 2, 4, 6}) exchange(w[i], w[i + 1], 8, 0x00ff00ff00ff00ffu);
+}
+
+/// Bit i of byte j becomes bit j of byte i.
+std::uint64_t transpose_bits(std::uint64_t w) {
+  const auto swap = [&](int shift, std::uint64_t mask) {
+    const std::uint64_t swapped = (w ^ w >> shift) & mask;
+    w ^= swapped ^ swapped << shift;
+  };
+  swap(7, 0x00aa00aa00aa00aau);
+  swap(14, 0x0000cccc0000ccccu);
+  swap(28, 0x00000000f0f0f0f0u);
+  return w;
+}
+
+bool any(const BrickBits& bits) {
+  std::uint64_t all = 0;
+  for (const auto word : bits) all |= word;
+  return all != 0;
+}
+
 }  // namespace
+
+void merge_planes(BrickPlanes& planes) {
+  for (const std::size_t axis : {0, 1}) {
+    auto& plane = planes[axis];
+    if (!any(plane)) continue;
+    transpose_bytes(plane);  // Words of x or y with bytes of z: now the other way round.
+    for (std::size_t z = 0; z < plane.size(); ++z) {
+      planes[2][z] |= axis == 0 ? transpose_bits(plane[z]) : plane[z];
+    }
+    plane.fill(0);
+  }
+}
+
+void Marks::merge() {
+  for (auto& planes : bricks_) merge_planes(planes);
+}
 
 void Marks::reset(int depth) {
   if (memory_bytes() > kKeptBytes) {
     tiles_ = std::vector<Tile>();
     pages_ = std::vector<std::unique_ptr<Page>>();
-    bricks_ = std::vector<BrickBits>();
+    bricks_ = std::vector<BrickPlanes>();
     table_ = std::vector<std::uint32_t>();
   }
   depth_ = depth;
@@ -68,7 +117,7 @@ void Marks::grow_table() {
 
 std::size_t Marks::memory_bytes() const {
   return tiles_.capacity() * sizeof(Tile) + pages_.size() * sizeof(Page) +
-         bricks_.capacity() * sizeof(BrickBits) + table_.capacity() * sizeof(std::uint32_t);
+         bricks_.capacity() * sizeof(BrickPlanes) + table_.capacity() * sizeof(std::uint32_t);
 }
 
 MarkPlace set_mark(Marks& marks, const VoxelIndex& cell) {

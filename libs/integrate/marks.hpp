@@ -13,15 +13,23 @@ namespace voxatlas {
 /// 8x8x8 bits of one brick: voxel (x, y, z) is bit 8 y + x of word z.
 using BrickBits = std::array<std::uint64_t, 8>;
 
+/// The same bits three times, each time with another axis as the word: a ray marks the plane of the
+/// axis it mostly runs along, where each of its steps on that axis is a word of its own, so that no
+/// mark waits for the one before. The bit is 8 v + u of the other two axes, u before v.
+using BrickPlanes = std::array<BrickBits, 3>;
+
+/// ORs the planes of x and y into that of z, which is the brick's BrickBits, and clears them.
+void merge_planes(BrickPlanes& planes);
+
 /// A scan's cells at one depth as bits, over as many tiles as it touches. Setting a bit again
 /// changes nothing: so every cell counts once in a scan, which is the paper's key buffering.
 ///
 /// Layout:  a tile has 4096 bits, `top`, in Morton order. At depth 0..4 they are the cells
 ///          themselves, 8^depth of them. At depth 5..7 they say which bricks have a page entry; a
-///          cell then is the bit of its lowest voxel in that brick's BrickBits.
+///          cell then is the bit of its lowest voxel in that brick's planes.
 /// Units:   a "cell" below is a voxel index >> (7 - depth), over the whole grid.
 /// Threads: one at a time.
-/// Cost:    a tile 0.5 kB (16.5 kB at depth 5..7), a brick 64 bytes; kept for the next scan.
+/// Cost:    a tile 0.5 kB (16.5 kB at depth 5..7), a brick 192 bytes; kept for the next scan.
 class Marks {
  public:
   static constexpr std::uint32_t kNone = ~0u;
@@ -65,8 +73,11 @@ class Marks {
   /// Every reference is good until a tile or a brick is added.
   Tile& tile(std::uint32_t slot) { return tiles_[slot]; }
   const Tile& tile(std::uint32_t slot) const { return tiles_[slot]; }
-  BrickBits& bits(std::uint32_t brick_slot) { return bricks_[brick_slot]; }
-  const BrickBits& bits(std::uint32_t brick_slot) const { return bricks_[brick_slot]; }
+  BrickPlanes& planes(std::uint32_t brick_slot) { return bricks_[brick_slot]; }
+  /// A brick's marks, where none was set in another plane than z's since merge().
+  BrickBits& bits(std::uint32_t brick_slot) { return bricks_[brick_slot][2]; }
+  const BrickBits& bits(std::uint32_t brick_slot) const { return bricks_[brick_slot][2]; }
+  void merge();
 
   std::uint32_t tile_count() const { return static_cast<std::uint32_t>(tiles_.size()); }
   std::uint32_t brick_count() const { return static_cast<std::uint32_t>(bricks_.size()); }
@@ -87,7 +98,7 @@ class Marks {
   std::uint32_t last_slot_ = kNone;
   std::vector<Tile> tiles_;
   std::vector<std::unique_ptr<Page>> pages_;  ///< By tile slot; more than tiles after a reset.
-  std::vector<BrickBits> bricks_;
+  std::vector<BrickPlanes> bricks_;
   std::vector<std::uint32_t> table_;  ///< Open addressing: tile slot, or kNone.
 };
 

@@ -1,5 +1,7 @@
 #include "integrate/carve.hpp"
 
+#include <hwy/targets.h>
+
 #include <catch2/catch.hpp>
 #include <random>
 #include <set>
@@ -67,8 +69,36 @@ TEST_CASE("a carved ray marks the cells that Walk visits before its last, at eve
     Marks marks;
     marks.reset(depth);
     carver.carve(origin, end, marks);
+    marks.merge();
     CAPTURE(depth, i, origin.transpose(), end.transpose());
     REQUIRE((places(marks) == by_walk(origin, end, depth)));
+  }
+}
+
+TEST_CASE("every set of instructions that this processor has marks the same cells",
+          "[integrate][oracle]") {
+  auto rng = test::engine();
+  INFO("VOX_SEED=" << test::seed());
+  std::uniform_real_distribution<double> offset(-900, 900);
+  const auto targets = hwy::SupportedAndGeneratedTargets();
+  for (int i = 0; i < 300; ++i) {
+    const auto point = [&] {
+      Eigen::Vector3d p = Eigen::Vector3d::Constant(105'463'592);
+      for (int a = 0; a < 3; ++a) p[a] += offset(rng);
+      if (rng() % 2 == 0) p = p.array().round();
+      return p;
+    };
+    const Eigen::Vector3d origin = point(), end = point();
+    const auto oracle = by_walk(origin, end, kDepth);
+    for (const auto target : targets) {
+      hwy::SetSupportedTargetsForTest(target);
+      Marks marks;
+      Carver().carve(origin, end, marks);
+      marks.merge();
+      hwy::SetSupportedTargetsForTest(0);
+      CAPTURE(hwy::TargetName(target), i);
+      REQUIRE((places(marks) == oracle));
+    }
   }
 }
 
