@@ -15,20 +15,22 @@ namespace voxatlas {
 
 /// One cell to draw.
 ///
-/// Units: half voxels from the tile's lower corner to the cell's middle: 1..255, exact.
-/// Cost:  12 bytes, laid out so that GL reads place and number straight from an array of them.
+/// Units: half voxels from the tile's lower corner to the cell's middle: 1..255, exact. The normal
+///        in 1/127, either way round; zero where there is none (OccupiedCells::normal).
+/// Cost:  16 bytes, laid out so that GL reads the place straight from an array of them.
 struct DrawnCell {
   std::array<std::int16_t, 3> centre{};
   LogOdds log_odds = 0;
   Rgb rgb;
   std::uint8_t depth : 7 = 0;
   std::uint8_t coloured : 1 = 0;  ///< 0: rgb says nothing.
+  std::array<std::int8_t, 3> normal{};
 
   Eigen::Vector3f centre_voxels() const {
     return Eigen::Vector3f(centre[0], centre[1], centre[2]) * 0.5f;
   }
 };
-static_assert(sizeof(DrawnCell) == 12);
+static_assert(sizeof(DrawnCell) == 16);
 
 /// What can be drawn of one tile, at one depth: its occupied cells.
 ///

@@ -8,8 +8,8 @@
 namespace voxatlas {
 namespace {
 
-constexpr float kStrength = 14;
-constexpr float kMostOfOnePair = 0.06f;  // So that one near leaf does not blacken its surroundings.
+constexpr float kStrength = 12;
+constexpr float kMostOfOnePair = 0.04f;  // So that one near leaf does not blacken its surroundings.
 constexpr std::array kReach = {1, 4};    // Pixels.
 
 struct Step {

@@ -13,7 +13,7 @@ namespace voxatlas {
 ///         plane: a plane, however tilted, keeps its full light, and the ground does not darken
 ///         towards the horizon. Each pixel is compared with the mean of opposite neighbours, at
 ///         two distances.
-/// `roughness`: metres that neighbours may differ without meaning: about half a cell's edge.
+/// `roughness`: metres that neighbours may differ without meaning: about a cell's edge.
 inline constexpr float kDarkest = 0.25f;
 std::vector<float> eye_dome_light(const CellImage& image, float roughness);
 

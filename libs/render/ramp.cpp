@@ -7,8 +7,6 @@
 namespace voxatlas {
 namespace {
 
-constexpr double kTallest = 25;  // Metres: where the ramps end.
-
 std::uint8_t between(std::uint8_t a, std::uint8_t b, double t) {
   return static_cast<std::uint8_t>(std::lround(a + t * (b - a)));
 }
@@ -41,14 +39,12 @@ Rgb ramp_colour(double t) {
   return along(kColours, t);
 }
 
-Rgb height_colour(double metres_above_ground) {
-  return ramp_colour(std::sqrt(hold(metres_above_ground / kTallest)));
-}
+Rgb height_colour(double part_of_height) { return ramp_colour(std::sqrt(hold(part_of_height))); }
 
-Rgb neutral_colour(double metres_above_ground) {
+Rgb neutral_colour(double part_of_height) {
   static constexpr std::array<Rgb, 4> kColours = {
-      {{118, 120, 126}, {158, 156, 152}, {190, 184, 174}, {222, 216, 206}}};
-  return along(kColours, std::sqrt(hold(metres_above_ground / kTallest)));
+      {{128, 131, 138}, {176, 172, 164}, {206, 196, 180}, {236, 228, 212}}};
+  return along(kColours, std::sqrt(hold(part_of_height)));
 }
 
 Rgb depth_colour(int depth) {

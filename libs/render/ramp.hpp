@@ -9,12 +9,12 @@ namespace voxatlas {
 /// `t` outside 0..1 is held to it.
 Rgb ramp_colour(double t);
 
-/// For heights above ground in metres, 0..25 and beyond: the lower metres, where cars and people
-/// are, get most of the ramp (its square root).
-Rgb height_colour(double metres_above_ground);
+/// For heights above ground, as a part of the scene's own height: the lower metres, where cars and
+/// people are, get most of the ramp (its square root).
+Rgb height_colour(double part_of_height);
 
-/// What has no colour of its own: grey, lighter with height.
-Rgb neutral_colour(double metres_above_ground);
+/// What has no colour of its own: grey, lighter and warmer with height.
+Rgb neutral_colour(double part_of_height);
 
 /// For the eight depths of a tile, told apart easily.
 Rgb depth_colour(int depth);

@@ -17,7 +17,7 @@ namespace {
 constexpr std::array kNames = {"rgb", "height", "probability", "depth"};
 
 /// Of all cells' heights; every so many are enough.
-constexpr double kGroundShare = 0.05;
+constexpr double kGroundShare = 0.05, kTopShare = 0.99;
 constexpr std::uint64_t kHeightSamples = 100'000;
 
 /// The height of a cloud's cells is affine in their place: base + centre * slope.
@@ -36,21 +36,60 @@ struct HeightPlane {
   }
 };
 
-/// A colour for each step of 1 cm, so that a pixel costs a look instead of a root.
+/// A ramp in steps, so that a cell costs a look instead of a root.
 class HeightColours {
  public:
-  explicit HeightColours(Rgb (*colour)(double)) {
-    for (std::size_t cm = 0; cm < table_.size(); ++cm) {
-      table_[cm] = colour(static_cast<double>(cm) / 100);
+  HeightColours(Rgb (*colour)(double), double rise) : steps_per_metre_(kSteps / rise) {
+    for (std::size_t i = 0; i < table_.size(); ++i) {
+      table_[i] = colour(static_cast<double>(i) / kSteps);
     }
   }
   Rgb at(double metres) const {
-    const double cm = metres > 0 ? metres * 100 : 0;
-    return table_[static_cast<std::size_t>(std::min(cm, static_cast<double>(table_.size() - 1)))];
+    const double step = metres > 0 ? metres * steps_per_metre_ : 0;
+    return table_[static_cast<std::size_t>(std::min<double>(step, kSteps))];
   }
 
  private:
-  std::array<Rgb, 2600> table_{};
+  static constexpr int kSteps = 1000;
+  double steps_per_metre_;
+  std::array<Rgb, kSteps + 1> table_{};
+};
+
+Rgb lit(Rgb colour, float light) {
+  const auto channel = [light](std::uint8_t x) {
+    return static_cast<std::uint8_t>(static_cast<float>(x) * light + 0.5f);
+  };
+  return {channel(colour.r), channel(colour.g), channel(colour.b)};
+}
+
+/// What falls on a surface of cells from a high sun; surfaces turned from it keep half their light.
+class Sun {
+ public:
+  Sun(const Camera& camera, const Grid& grid, const Eigen::Vector3d& up)
+      : camera_(camera), grid_(grid) {
+    const Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();
+    const Eigen::Vector3d across = axis.cross(up);  // East; at the poles any way will do.
+    const Eigen::Vector3d east = across.norm() > 1e-9 ? across.normalized() : up.unitOrthogonal();
+    const Eigen::Vector3d south = east.cross(up);
+    direction_ = (0.8 * up + 0.25 * east + 0.5 * south).normalized();
+  }
+
+  float on(const DrawnCell& cell, TileKey key) const {
+    Eigen::Vector3d normal(cell.normal[0], cell.normal[1], cell.normal[2]);
+    if (normal.isZero()) return kWithoutNormal;
+    const Eigen::Vector3d sight = grid_.min_corner(key) - camera_.position() +
+                                  cell.centre_voxels().cast<double>() / grid_.cells_per_metre();
+    if (normal.dot(sight) > 0) normal = -normal;  // The side that is seen.
+    const double cosine = normal.normalized().dot(direction_);
+    return static_cast<float>(kShade + (1 - kShade) * (0.5 + 0.5 * cosine));
+  }
+
+ private:
+  static constexpr float kWithoutNormal = 0.8f;
+  static constexpr double kShade = 0.35;
+  const Camera& camera_;
+  const Grid& grid_;
+  Eigen::Vector3d direction_;
 };
 
 /// Looks a cell's colour up by its number.
@@ -58,28 +97,39 @@ class CellColours {
  public:
   CellColours(const CellNumbers& numbers, const Camera& camera, const Grid& grid,
               const SceneHeights& heights, Colouring colouring)
-      : numbers_(numbers), camera_(camera), grid_(grid), heights_(heights), colouring_(colouring) {}
+      : numbers_(numbers),
+        camera_(camera),
+        grid_(grid),
+        heights_(heights),
+        colouring_(colouring),
+        sun_(camera, grid, heights.up_ecef),
+        by_height_(colouring == Colouring::kHeight ? height_colour : neutral_colour, heights.rise) {
+  }
 
   Rgb of(std::uint32_t number) const {
     const auto found = numbers_.find(number);
     const DrawnCell& cell = numbers_.cell(found);
+    return lit(own(found, cell), sun_.on(cell, numbers_.cloud(found).key));
+  }
+
+ private:
+  Rgb own(const CellNumbers::Found& found, const DrawnCell& cell) const {
     if (colouring_ == Colouring::kProbability) {
       return ramp_colour(2 * to_probability(cell.log_odds) - 1);
     }
     if (colouring_ == Colouring::kLeafDepth) return depth_colour(cell.depth);
     if (colouring_ == Colouring::kRgb && cell.coloured != 0) return cell.rgb;
     const HeightPlane plane(numbers_.cloud(found), camera_, grid_, heights_.up_ecef);
-    const double metres = plane.of(cell) - heights_.ground;
-    static const HeightColours kRamp(height_colour), kNeutral(neutral_colour);
-    return colouring_ == Colouring::kHeight ? kRamp.at(metres) : kNeutral.at(metres);
+    return by_height_.at(plane.of(cell) - heights_.ground);
   }
 
- private:
   const CellNumbers& numbers_;
   const Camera& camera_;
   const Grid& grid_;
   const SceneHeights& heights_;
   Colouring colouring_;
+  Sun sun_;
+  HeightColours by_height_;
 };
 
 Rgb mix(Rgb a, Rgb b, double t) {
@@ -89,22 +139,15 @@ Rgb mix(Rgb a, Rgb b, double t) {
   return {channel(a.r, b.r), channel(a.g, b.g), channel(a.b, b.b)};
 }
 
-Rgb lit(Rgb colour, float light) {
-  const auto channel = [light](std::uint8_t x) {
-    return static_cast<std::uint8_t>(static_cast<float>(x) * light + 0.5f);
-  };
-  return {channel(colour.r), channel(colour.g), channel(colour.b)};
-}
-
 /// By the sine of the angle above the horizon.
 Rgb sky_colour(double sine) {
   constexpr Rgb kHorizon{214, 222, 230}, kZenith{104, 144, 196};
-  constexpr Rgb kGround{96, 98, 102}, kHaze{150, 154, 158};
+  constexpr Rgb kGround{206, 209, 213}, kHaze{214, 220, 226};
   return sine >= 0 ? mix(kHorizon, kZenith, std::min(1.0, sine * 1.6))
                    : mix(kHaze, kGround, std::min(1.0, -sine * 6));
 }
 
-/// Half the edge of the cells that most pixels show: what a surface of cells is rough by.
+/// The edge of the cells that most pixels show: what a surface of cells is rough by.
 float roughness_of(const CellImage& cells, const CellNumbers& numbers, const Grid& grid) {
   std::array<std::size_t, kDepth + 1> count{};
   constexpr std::size_t kEvery = 97;
@@ -113,7 +156,7 @@ float roughness_of(const CellImage& cells, const CellNumbers& numbers, const Gri
     ++count[numbers.cell(numbers.find(cells.cell[i])).depth];
   }
   const auto depth = std::max_element(count.begin(), count.end()) - count.begin();
-  return static_cast<float>(grid.cell_length(static_cast<int>(depth)) / 2);
+  return static_cast<float>(grid.cell_length(static_cast<int>(depth)));
 }
 
 }  // namespace
@@ -141,10 +184,14 @@ SceneHeights scene_heights(const Camera& camera, const Grid& grid,
     skip -= cells.size();
   }
   if (samples.empty()) return heights;
-  const auto low = samples.begin() +
-                   static_cast<std::ptrdiff_t>(static_cast<double>(samples.size()) * kGroundShare);
-  std::nth_element(samples.begin(), low, samples.end());
-  heights.ground = *low;
+  const auto height_at = [&samples](double share) {
+    const double place = share * static_cast<double>(samples.size() - 1);
+    const auto at = samples.begin() + static_cast<std::ptrdiff_t>(place);
+    std::nth_element(samples.begin(), at, samples.end());
+    return *at;
+  };
+  heights.ground = height_at(kGroundShare);
+  heights.rise = std::clamp(height_at(kTopShare) - heights.ground, 5.0, 25.0);
   return heights;
 }
 

@@ -25,19 +25,22 @@ const char* name_of(Colouring colouring);
 /// Errors: kInvalid, naming the word and the choice.
 Result<Colouring> colouring_of(const std::string& name);
 
-/// Which way is up in a scene, and where its ground is, metres along `up` from the camera.
+/// Which way is up in a scene, where its ground is, and how high it rises above it.
 ///
+/// Units: metres along `up`; ground counts from the camera.
 /// The ground is that height below which 5 % of the cells lie: a few points that a window mirrored
-/// underground do not count.
+/// underground do not count. The rise leaves out the highest 1 %, and is 5 to 25 m.
 struct SceneHeights {
   Eigen::Vector3d up_ecef = Eigen::Vector3d::UnitZ();
   double ground = 0;
+  double rise = 25;
 };
 SceneHeights scene_heights(const Camera& camera, const Grid& grid,
                            std::span<const PlacedCloud> clouds);
 
-/// The picture: each cell in its colour, under eye-dome light; behind them the sky, lighter towards
-/// the horizon, and grey below it, where nothing is known.
+/// The picture: each cell in its colour, under a high sun from the south-east and eye-dome light;
+/// behind them the sky, lighter towards the horizon, and pale grey below it, where nothing is
+/// known.
 /// Cost: some 30 ns a pixel.
 Image shade(const CellImage& cells, const CellNumbers& numbers, const Camera& camera,
             const Grid& grid, const SceneHeights& heights, Colouring colouring);

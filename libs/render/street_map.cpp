@@ -10,8 +10,9 @@ namespace {
 constexpr double kBlock = 4;  // Metres: the ground is one height in a block.
 constexpr int kBlocks = static_cast<int>(2 * StreetMap::kReach / kBlock);
 constexpr int kSquares = static_cast<int>(2 * StreetMap::kReach / StreetMap::kSquare);
-constexpr double kKnee = 0.6, kOverhead = 3.0;  // Metres above ground: what stands there blocks.
-constexpr double kHalfWidth = 1.2;              // Metres to each side of a clear way.
+constexpr double kKnee = 0.6, kOverhead = 3.0;     // Metres above ground: what stands there blocks.
+constexpr double kHalfWidth = 1.2, kWiden = 0.15;  // Metres to each side of a way; and a metre.
+constexpr double kWidest = 2.5;
 constexpr double kSteepest = 0.12;  // Streets rise less; a roof's "ground" is no street.
 
 std::size_t at(int x, int y, int side) {
@@ -51,17 +52,17 @@ StreetMap::Square StreetMap::square_of(const Eigen::Vector2d& p, double edge) {
           static_cast<int>(std::floor((p.y() + kReach) / edge))};
 }
 
-StreetMap::StreetMap(const EnuFrame& frame, const Grid& grid, std::span<const PlacedCloud> clouds) {
-  const auto cells = cells_in(frame, grid, clouds);
+StreetMap::StreetMap(const EnuFrame& frame, const Grid& grid, std::span<const PlacedCloud> clouds)
+    : cells_(cells_in(frame, grid, clouds)) {
   std::vector<std::vector<float>> heights(std::size_t{kBlocks} * kBlocks);
-  for (const auto& p : cells) {
+  for (const auto& p : cells_) {
     const auto [x, y] = square_of(p.head<2>().cast<double>(), kBlock);
     if (inside(x, y, kBlocks)) heights[at(x, y, kBlocks)].push_back(p.z());
   }
   ground_.resize(heights.size());
   std::transform(heights.begin(), heights.end(), ground_.begin(), low_height);
   blocked_.resize(std::size_t{kSquares} * kSquares);
-  for (const auto& p : cells) {
+  for (const auto& p : cells_) {
     const Eigen::Vector2d place = p.head<2>().cast<double>();
     const auto [x, y] = square_of(place, kSquare);
     const auto floor = ground(place);
@@ -97,10 +98,29 @@ double StreetMap::clear_way(const Eigen::Vector2d& p, const Eigen::Vector2d& dir
     const Eigen::Vector2d next = p + (clear + kSquare) * direction;
     const auto floor = ground(next);
     if (!floor || std::abs(*floor - *start) > 0.5 + kSteepest * clear) break;
-    if (blocked(next, kHalfWidth)) break;
+    if (blocked(next, std::min(kHalfWidth + kWiden * clear, kWidest))) break;
     clear += kSquare;
   }
   return clear;
+}
+
+double StreetMap::outlook(const Eigen::Vector3d& eye, const Eigen::Vector2d& direction) const {
+  constexpr int kColumns = 40, kRows = 20;
+  constexpr double kHalfWide = 0.84, kLow = -0.45, kHigh = 0.35;  // Tangents: 40, -24, 19 degrees.
+  std::vector<bool> covered(std::size_t{kColumns} * kRows);
+  const Eigen::Vector2d right(direction.y(), -direction.x());
+  for (const auto& p : cells_) {
+    const Eigen::Vector3d offset = p.cast<double>() - eye;
+    const double ahead = offset.head<2>().dot(direction);
+    if (ahead < 4 || ahead > 60) continue;
+    const double x = offset.head<2>().dot(right) / ahead / kHalfWide;
+    const double y = (offset.z() / ahead - kLow) / (kHigh - kLow);
+    if (std::abs(x) >= 1 || y < 0 || y >= 1) continue;
+    covered[at(static_cast<int>((x + 1) / 2 * kColumns), static_cast<int>(y * kRows), kColumns)] =
+        true;
+  }
+  return static_cast<double>(std::count(covered.begin(), covered.end(), true)) /
+         static_cast<double>(covered.size());
 }
 
 }  // namespace voxatlas

@@ -29,6 +29,9 @@ class StreetMap {
   /// Metres from p towards `direction` (length 1) until something is in the way, or nothing is
   /// known any more; at most `limit`.
   double clear_way(const Eigen::Vector2d& p, const Eigen::Vector2d& direction, double limit) const;
+  /// How much there is to see from `eye` towards `direction`: the share of a picture, 80 degrees
+  /// wide, that shows something at 4 to 60 m, ground or not.
+  double outlook(const Eigen::Vector3d& eye, const Eigen::Vector2d& direction) const;
 
  private:
   struct Square {
@@ -36,8 +39,9 @@ class StreetMap {
   };
   static Square square_of(const Eigen::Vector2d& p, double edge);
 
-  std::vector<float> ground_;  // Of each block; NaN where unknown.
-  std::vector<bool> blocked_;  // Of each square.
+  std::vector<Eigen::Vector3f> cells_;  // In the frame.
+  std::vector<float> ground_;           // Of each block; NaN where unknown.
+  std::vector<bool> blocked_;           // Of each square.
 };
 
 }  // namespace voxatlas

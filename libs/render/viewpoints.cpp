@@ -57,27 +57,44 @@ struct Stand {
   double score = 0;
 };
 
-/// The place and heading on the map with the best outlook; score 0: none.
-Stand best_stand(const StreetMap& map, const Eigen::Vector2d& long_axis) {
-  constexpr double kSearch = 26;    // Metres around the middle.
-  constexpr double kFarthest = 45;  // Metres; what is clear beyond makes no better picture.
+/// The ways one could look from a place, by how far they are clear; best first.
+std::vector<Stand> clear_stands(const StreetMap& map, const Eigen::Vector2d& long_axis) {
+  constexpr double kSearch = 36;    // Metres around the middle.
+  constexpr double kFarthest = 30;  // Metres; what is clear beyond makes no better picture.
   const double axis_angle = std::atan2(long_axis.y(), long_axis.x());
-  Stand best;
+  std::vector<Stand> stands;
   for (double x = -kSearch; x <= kSearch; x += 2) {
     for (double y = -kSearch; y <= kSearch; y += 2) {
       const Eigen::Vector2d place(x, y);
-      if (!map.ground(place) || map.blocked(place, 1.5)) continue;
+      if (!map.ground(place) || map.blocked(place, 2.5)) continue;
       for (int turn = -4; turn <= 4; ++turn) {
         for (const double way : {0.0, 180.0}) {
           const double angle = axis_angle + radians(way + 6.0 * turn);
           const Eigen::Vector2d heading(std::cos(angle), std::sin(angle));
-          // A step back must be clear too, and a straight look is worth a metre a turn.
-          const double score = map.clear_way(place, heading, kFarthest) +
-                               map.clear_way(place, -heading, 4) - std::abs(turn);
-          if (score > best.score) best = {place, heading, score};
+          const double clear = map.clear_way(place, heading, kFarthest);
+          if (clear > 0) stands.push_back({place, heading, clear});
         }
       }
     }
+  }
+  std::stable_sort(stands.begin(), stands.end(),
+                   [](const Stand& a, const Stand& b) { return a.score > b.score; });
+  return stands;
+}
+
+/// Of the clearest ways the one with most to see; score 0: none.
+Stand best_stand(const StreetMap& map, const Eigen::Vector2d& long_axis) {
+  constexpr std::size_t kLookAt = 60;
+  constexpr double kMetresForAFullPicture = 60;
+  const auto stands = clear_stands(map, long_axis);
+  Stand best;
+  const std::size_t every = std::max<std::size_t>(1, stands.size() / 4 / kLookAt);
+  for (std::size_t i = 0; i < stands.size() && i < every * kLookAt; i += every) {
+    Stand stand = stands[i];
+    const Eigen::Vector3d eye(stand.place.x(), stand.place.y(),
+                              *map.ground(stand.place) + kEyeHeight);
+    stand.score += kMetresForAFullPicture * map.outlook(eye, stand.heading);
+    if (stand.score > best.score) best = stand;
   }
   return best;
 }
@@ -89,8 +106,8 @@ Result<Camera> oblique_view(const Grid& grid, std::span<const TileWeight> tiles,
   auto extent = ModelExtent::of(grid, tiles);
   if (!extent) return pass_on(extent);
   constexpr double kFov = 42, kDown = 34, kAside = 25;  // Degrees.
-  // The width of the picture shows two deviations to each side of the middle, not less than 60 m.
-  const double half_width = std::max(60.0, 1.8 * extent->along);
+  // The picture's width shows 1.2 deviations to each side of the middle, and at least 30 m.
+  const double half_width = std::max(30.0, 1.2 * extent->along);
   const double ratio = static_cast<double>(size.width) / std::max(1, size.height);
   const double away = std::min(1500.0, half_width / (std::tan(radians(kFov / 2)) * ratio));
   const double angle =
