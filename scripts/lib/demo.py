@@ -75,7 +75,7 @@ def publish(services, options):
         source += ["--sigma", options.sigma] if options.sigma else []
     else:
         source = ["--simulate", options.scans]
-    return json.loads(services.run("publish", *source, "--json"))
+    return json.loads(services.run("publish", *source, "--ingests", options.ingest, "--json"))
 
 
 def draw(services, options):

@@ -153,16 +153,17 @@ class ServiceSet:
         hub.command[-1] = said[1]  # Started again, it comes back where its clients look for it.
 
     def _services(self):
-        services = []
         stores = self.counts["tilestore"]
-        for shard in range(stores):
-            services.append(self._service(
-                "tilestore", shard, "--url", self.bus.url, "--data-dir", self.data_dir, "--shard",
-                shard, "--shards", stores, *self.store_options))
-        for kind in ("compress", "ingest", "render"):
-            for index in range(self.counts[kind]):
-                services.append(self._service(kind, index, "--url", self.bus.url, "--index", index,
-                                              "--stores", stores))
+        services = [
+            self._service("tilestore", shard, "--url", self.bus.url, "--data-dir", self.data_dir,
+                          "--shard", shard, "--shards", stores, "--compressors",
+                          self.counts["compress"], *self.store_options)
+            for shard in range(stores)]
+        for kind, more in (("compress", []), ("ingest", ["--ingests", self.counts["ingest"]]),
+                           ("render", [])):
+            services += [self._service(kind, index, "--url", self.bus.url, "--index", index,
+                                       "--stores", stores, *more)
+                         for index in range(self.counts[kind])]
         return services
 
     def _service(self, kind, index, *options):

@@ -90,7 +90,7 @@ class Up(harness.SystemTest):
         self.assertEqual(self.order(), ["ingest", "ingest", "render", "compress", "tilestore",
                                         "tilestore"])
         log = (self.folder / "data" / "logs" / "tilestore-1.log").read_text()
-        self.assertIn("--shard 1 --shards 2 --free-depth 7", log)
+        self.assertIn("--shard 1 --shards 2 --compressors 1 --free-depth 7", log)
 
     def test_ctrl_c_stops_as_term_does(self):
         process = self.up()
