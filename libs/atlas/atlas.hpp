@@ -21,6 +21,7 @@ struct AtlasOptions {
   std::size_t cache_bytes = std::size_t{256} << 20;  ///< Budget for tiles in memory.
   std::size_t journal_max_bytes = std::size_t{64}
                                   << 20;  ///< Dirty tiles are flushed to stay below.
+  double rest_seconds = 2;  ///< Unchanged for so long after its flush, a tile is rested().
 };
 
 /// One scan's part for one shard; deltas in the bytes of encode_delta, ascending by key.
@@ -83,10 +84,14 @@ class Atlas {
   Epoch epoch() const;
 
   /// All scans with one group commit, durable on return; nothing is applied where it fails.
+  /// Where the store does not know what happened (kUnknown, kIo), the journal is read back: here,
+  /// or where that fails too, by the next call. Scans found there count as applied: offering them
+  /// again skips them and returns their changes.
   /// Errors: kCorrupt for a delta that does not decode, kOutOfRange for a tile not of this grid or
   ///         shard (refuse such a scan before, by check_scan), and the store's.
   Result<std::vector<TileChange>> commit(std::span<const ShardScan> scans);
-  /// What commit would say of this scan alone, without doing it.
+  /// What commit would say of this scan alone, without doing it; not of its place in the order,
+  /// as its predecessors may still wait.
   Status check_scan(const ShardScan& scan) const;
 
   /// The last seq applied of a source's session, -1 for none. Sorted by source and session in

@@ -1,0 +1,190 @@
+// Scans in: checked, appended to the journal as one, applied in memory.
+#include <fmt/format.h>
+
+#include "atlas/atlas_state.hpp"
+#include "base/log.hpp"
+#include "grid/region_key.hpp"
+
+namespace voxatlas {
+
+static std::string name_of_scan(const ShardScan& scan) {
+  return fmt::format("scan {} of source \"{}\", session {}", scan.seq, scan.source, scan.session);
+}
+
+/// Not this commit's error: it is durable. The next one is refused while it lasts (make_room).
+static void say_behind(const Error& error) {
+  log_warning("tiles cannot be written behind: {}", error.message);
+}
+
+std::int64_t Atlas::State::mark(const Session& session) const {
+  const auto found = marks.find(session);
+  return found == marks.end() ? -1 : found->second;
+}
+
+Status Atlas::State::check_place(const ShardScan& scan, TileKey key) const {
+  if (auto on_grid = grid.tile_from_morton(key.morton()); !on_grid) {
+    return pass_on(on_grid, name_of_scan(scan));
+  }
+  const auto owner = shard_of(key, parameters.shards);
+  if (owner == shard) return {};
+  return fail(ErrorCode::kOutOfRange, fmt::format("{}: tile {:#x} belongs to shard {}, not {}",
+                                                  name_of_scan(scan), key.morton(), owner, shard));
+}
+
+Result<std::vector<TileDelta>> Atlas::State::decode(const ShardScan& scan) const {
+  std::vector<TileDelta> deltas;
+  deltas.reserve(scan.deltas.size());
+  const TileKey* before = nullptr;
+  for (const auto& [key, bytes] : scan.deltas) {
+    if (auto ok = check_place(scan, key); !ok) return pass_on(ok);
+    if (before != nullptr && *before >= key) {
+      return fail(ErrorCode::kCorrupt,
+                  fmt::format("{}: tile {:#x} comes after {:#x}", name_of_scan(scan), key.morton(),
+                              before->morton()));
+    }
+    before = &key;
+    auto delta = decode_delta(bytes);
+    if (!delta) {
+      return pass_on(delta, fmt::format("{}, tile {:#x}", name_of_scan(scan), key.morton()));
+    }
+    deltas.push_back(std::move(*delta));
+  }
+  return deltas;
+}
+
+Result<std::vector<Atlas::State::Fresh>> Atlas::State::fresh_scans(
+    std::span<const ShardScan> scans) const {
+  std::vector<Fresh> fresh;
+  Marks ahead;  // Where this very commit has got to.
+  for (const auto& scan : scans) {
+    const Session session{scan.source, scan.session};
+    auto& last = ahead.try_emplace(session, mark(session)).first->second;
+    if (scan.seq <= last) continue;
+    if (scan.seq != last + 1) {
+      return fail(ErrorCode::kInvalid,
+                  fmt::format("{}: a gap, the last one applied is {}", name_of_scan(scan), last));
+    }
+    auto deltas = decode(scan);
+    if (!deltas) return pass_on(deltas);
+    fresh.push_back({&scan, std::move(*deltas)});
+    last = scan.seq;
+  }
+  return fresh;
+}
+
+/// Below the budgets before anything new is taken: while that fails nothing is, and nothing grows.
+Status Atlas::State::make_room() {
+  if (auto ok = keep_budget(std::nullopt); !ok) return ok;
+  return keep_journal();
+}
+
+/// The version of every tile that these scans touch, 0 where never written; read into memory as
+/// far as the budget goes, so that applying need not read.
+Result<Atlas::State::Versions> Atlas::State::current_versions(const std::vector<Fresh>& scans) {
+  Versions versions;
+  for (const auto& fresh : scans) {
+    for (const auto& [key, bytes] : fresh.scan->deltas) versions.emplace(key, 0);
+  }
+  constexpr std::size_t kReadAtOnce = 32;
+  std::vector<TileKey> missing;
+  for (auto& [key, version] : versions) {
+    if (const auto* tile = cache.find(key)) {
+      version = tile->version;
+    } else {
+      missing.push_back(key);
+    }
+  }
+  for (std::size_t at = 0; at < missing.size(); at += kReadAtOnce) {
+    const auto count = std::min(kReadAtOnce, missing.size() - at);
+    if (auto ok = load_all(std::span(missing).subspan(at, count), versions); !ok) {
+      return pass_on(ok);
+    }
+  }
+  return versions;
+}
+
+/// One record a scan, all in one append. Returns the first one's position.
+Result<JournalPosition> Atlas::State::append(const std::vector<Fresh>& scans, Versions versions) {
+  std::vector<Bytes> records;
+  for (const auto& fresh : scans) {
+    const auto& scan = *fresh.scan;
+    JournalRecord record{scan.source, scan.session, scan.seq, {}};
+    for (const auto& [key, bytes] : scan.deltas) {
+      record.deltas.push_back({key, ++versions.at(key), bytes});
+    }
+    records.push_back(encode_record(record));
+  }
+  auto last = store.append(shard, epoch, records);
+  if (!last) return pass_on(last);
+  const JournalPosition first = *last - records.size() + 1;
+  for (std::size_t i = 0; i < records.size(); ++i) journal.append(first + i, records[i].size());
+  return first;
+}
+
+/// The record is durable: what cannot be applied now is applied by a recovery.
+Status Atlas::State::apply(const Fresh& fresh, JournalPosition position,
+                           std::vector<TileChange>& changes) {
+  const auto& scan = *fresh.scan;
+  for (std::size_t i = 0; i < scan.deltas.size(); ++i) {
+    const TileKey key = scan.deltas[i].first;
+    auto tile = load(key);
+    if (!tile) return pass_on(tile);
+    if (*tile == nullptr) *tile = &cache.insert(key, {}, 0);
+    (*tile)->tree.apply(fresh.deltas[i], parameters.sensor);
+    cache.changed(key, position);
+    rested.remove(key);
+    changes.push_back({key, (*tile)->version, scan.deltas[i].second});
+    if (auto ok = keep_budget(key); !ok) say_behind(ok.error());
+    ++counts.deltas_applied;
+  }
+  marks[{scan.source, scan.session}] = scan.seq;
+  ++counts.scans_applied;
+  return {};
+}
+
+/// After an append whose outcome is not known, or an apply that failed: asks the store. If it has
+/// these scans, all is well; otherwise the error stands, and the next call asks again.
+Result<std::vector<TileChange>> Atlas::State::read_back(const std::vector<Fresh>& scans,
+                                                        Error error) {
+  stale = true;
+  if (auto recovered = recover(); !recovered) {
+    error.message += "; reading back: " + recovered.error().message;
+    return tl::unexpected(std::move(error));
+  }
+  for (const auto& fresh : scans) {
+    if (mark({fresh.scan->source, fresh.scan->session}) < fresh.scan->seq) {
+      return tl::unexpected(std::move(error));
+    }
+  }
+  reported = journal.last();
+  return std::exchange(unreported, {});
+}
+
+Result<std::vector<TileChange>> Atlas::State::commit(std::span<const ShardScan> scans) {
+  if (auto ok = settle(); !ok) return pass_on(ok);
+  auto fresh = fresh_scans(scans);
+  if (!fresh) return pass_on(fresh);
+  if (fresh->empty()) {
+    reported = std::max(reported, journal.last());
+    return std::exchange(unreported, {});
+  }
+  if (auto ok = make_room(); !ok) return pass_on(ok);
+  auto versions = current_versions(*fresh);
+  if (!versions) return pass_on(versions);
+  auto first = append(*fresh, std::move(*versions));
+  if (!first) {
+    const auto code = first.error().code;
+    if (code != ErrorCode::kUnknown && code != ErrorCode::kIo) return pass_on(first);
+    return read_back(*fresh, std::move(first.error()));
+  }
+  auto changes = std::exchange(unreported, {});
+  for (std::size_t i = 0; i < fresh->size(); ++i) {
+    auto applied = apply((*fresh)[i], *first + i, changes);
+    if (!applied) return read_back(*fresh, std::move(applied.error()));
+  }
+  reported = journal.last();
+  if (auto ok = keep_journal(); !ok) say_behind(ok.error());
+  return changes;
+}
+
+}  // namespace voxatlas

@@ -1,0 +1,101 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "atlas/atlas.hpp"
+#include "atlas/journal_record.hpp"
+#include "atlas/journal_tail.hpp"
+#include "atlas/rested_tiles.hpp"
+#include "atlas/tile_cache.hpp"
+
+namespace voxatlas {
+
+/// What an Atlas holds. Its work is told in four files: atlas_recover.cpp (opening, reading back),
+/// atlas_commit.cpp (scans in), atlas_flush.cpp (tiles to the store), atlas_read.cpp (tiles out).
+struct Atlas::State {
+  using Session = std::pair<std::string, std::int64_t>;
+  using Marks = std::map<Session, std::int64_t>;
+  using Versions = std::map<TileKey, std::uint64_t>;
+
+  /// A scan of a commit that is not a duplicate, decoded.
+  struct Fresh {
+    const ShardScan* scan;
+    std::vector<TileDelta> deltas;
+  };
+
+  State(TileStore& store_of, ShardId shard_of, const ModelParameters& parameters_of,
+        const AtlasOptions& options_of)
+      : store(store_of),
+        shard(shard_of),
+        parameters(parameters_of),
+        grid(parameters_of.grid()),
+        options(options_of) {}
+
+  TileStore& store;
+  ShardId shard;
+  ModelParameters parameters;
+  Grid grid;
+  AtlasOptions options;
+  Epoch epoch = 0;
+
+  TileCache cache;
+  JournalTail journal;
+  Marks marks;
+  AtlasStats counts;
+
+  /// A write's outcome is not known, or a durable record could not be applied: what is in memory
+  /// counts for nothing until recover() has read the store again.
+  bool stale = false;
+  /// The last record whose changes a commit has returned; those after it that a recovery finds
+  /// wait in `unreported` for the next commit.
+  JournalPosition reported = 0;
+  std::vector<TileChange> unreported;
+
+  RestedTiles rested;
+  std::optional<TileKey> rest_cursor;  ///< Stored tiles from here on were not looked at yet.
+
+  // atlas_recover.cpp
+  Status acquire();
+  Status settle();  ///< Recovers where the state is stale.
+  Status recover();
+  Status redo(JournalPosition position, ByteView bytes);
+  Status redo_delta(JournalPosition position, const JournalDelta& delta);
+  std::vector<Mark> mark_list() const;
+
+  // atlas_commit.cpp
+  std::int64_t mark(const Session& session) const;
+  Result<std::vector<TileChange>> commit(std::span<const ShardScan> scans);
+  Result<std::vector<TileDelta>> decode(const ShardScan& scan) const;
+  Status check_place(const ShardScan& scan, TileKey key) const;
+  Result<std::vector<Fresh>> fresh_scans(std::span<const ShardScan> scans) const;
+  Result<Versions> current_versions(const std::vector<Fresh>& scans);
+  Status make_room();
+  Result<JournalPosition> append(const std::vector<Fresh>& scans, Versions versions);
+  Status apply(const Fresh& scan, JournalPosition position, std::vector<TileChange>& changes);
+  Result<std::vector<TileChange>> read_back(const std::vector<Fresh>& scans, Error error);
+
+  // atlas_flush.cpp
+  Status write_oldest(std::size_t max_tiles);
+  Status trim();
+  Status keep_budget(std::optional<TileKey> keep);
+  Status keep_journal();
+  Result<bool> take_encoded(const EncodedTile& encoded);
+  std::vector<TileInfo> rested_tiles(std::size_t limit);
+  void find_rested(std::size_t limit);
+
+  // atlas_read.cpp
+  /// The tile, read where it is not in memory; nullptr where never written. Stays until the next
+  /// load or write.
+  Result<CachedTile*> load(TileKey key);
+  /// The same for several that are not in memory, in one read.
+  Status load_all(std::span<const TileKey> keys, Versions& versions);
+  Result<TileTree> decode_stored(const StoredTile& stored) const;
+  Result<EncodedTile> encoded(TileKey key);
+  Result<std::vector<TileInfo>> list(TileKey from, std::size_t limit);
+};
+
+}  // namespace voxatlas
