@@ -124,7 +124,7 @@ template <> const char* shape_of<counter_t>() { return "s8"; }
 template <> const char* shape_of<frame_t>() {
   return "88881s" VOX_CAMERA_SHAPE "14488" "88888" "11nb";
 }
-template <> const char* shape_of<model_reply_t>() { return "888488" "88nb"; }
+template <> const char* shape_of<model_reply_t>() { return "888488" "8nb"; }
 template <> const char* shape_of<model_request_t>() { return "888844s8"; }
 template <> const char* shape_of<render_request_t>() { return "8888" VOX_CAMERA_SHAPE "1s14"; }
 template <> const char* shape_of<scan_delta_t>() { return "8s88884" "44nb"; }

@@ -81,7 +81,6 @@ void RandomMessages::fill(model_reply_t& m) {
   m.shard = small();
   m.epoch = number();
   m.mark = small() - 1;
-  m.tiles = number();
   m.disk_bytes = number();
   payload(m.size, m.parameters);
 }
