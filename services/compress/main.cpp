@@ -1,0 +1,56 @@
+// voxatlas-compress: rested tiles in, densely encoded tiles out.
+//
+//   in   VOXATLAS_CHUNK_COMPRESS_i  chunk_t (tile_raw_t)      reliable, from tilestores
+//   out  VOXATLAS_CHUNK_STORE_s     chunk_t (tile_encoded_t)  reliable, to the tile's tilestore
+//   out  VOXATLAS_ACK, VOXATLAS_STATUS
+//
+// It keeps no state: start as many as there are cores; the store drops what has become stale.
+#include <CLI/CLI.hpp>
+#include <exception>
+
+#include "base/log.hpp"
+#include "compress/compress_process.hpp"
+
+namespace voxatlas {
+
+static void declare(CLI::App& app, CompressOptions& options);
+
+}  // namespace voxatlas
+
+int main(int argc, char** argv) {
+  voxatlas::CompressOptions options;
+  CLI::App app{"voxatlas compress: encodes tiles that rest densely", "voxatlas-compress"};
+  voxatlas::declare(app, options);
+  CLI11_PARSE(app, argc, argv);
+  voxatlas::set_log_name(fmt::format("compress[{}]", options.index));
+  try {
+    const auto served = voxatlas::serve_compress(options);
+    if (served) return 0;
+    voxatlas::log_error("{}", served.error().message);
+  } catch (const std::exception& e) {  // Nothing can go on: no memory, no threads.
+    voxatlas::log_error("{}", e.what());
+  }
+  return 1;
+}
+
+namespace voxatlas {
+
+static void declare(CLI::App& app, CompressOptions& options) {
+  app.add_option("--url", options.url, "LCM URL of the bus")
+      ->envname("LCM_DEFAULT_URL")
+      ->capture_default_str();
+  app.add_option("--index", options.index, "number of this compressor")
+      ->check(CLI::Range(0, 99))
+      ->capture_default_str();
+  app.add_option("--stores", options.stores, "how many tilestores (shards) the model has")
+      ->check(CLI::Range(1, 100))
+      ->capture_default_str();
+  app.add_option("--level", options.codec.level,
+                 "effort, 1 (fast) to 19 (dense); 0: the codec's own")
+      ->check(CLI::Range(0, 19))
+      ->capture_default_str();
+  app.set_config("--config", "", "read options from a TOML file");
+  app.allow_config_extras(CLI::config_extras_mode::error);  // A misspelt key must not pass.
+}
+
+}  // namespace voxatlas

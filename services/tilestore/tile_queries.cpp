@@ -1,0 +1,159 @@
+#include "tilestore/tile_queries.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "base/utime.hpp"
+#include "octree/tile_hash.hpp"
+
+namespace voxatlas {
+
+namespace {
+
+constexpr std::size_t kPlainRowBytes = 16;
+constexpr std::size_t kDetailedRowBytes = 80;
+constexpr std::size_t kMaxRowsBytes = 56'000;
+constexpr std::size_t kMaxPayloadBytes = 59'000;
+constexpr std::size_t kListedAtOnce = 256;
+constexpr std::int64_t kPatience = 50'000;  // The journal must not wait longer for one page.
+
+/// The box of a request as keys: every tile in it has a code between the two corners' codes.
+struct KeyBox {
+  Index3 min{}, max{};
+
+  bool holds(TileKey key) const {
+    const Index3 index = key.index();
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      if (index[axis] < min[axis] || index[axis] > max[axis]) return false;
+    }
+    return true;
+  }
+};
+
+Result<KeyBox> box_of(const tiles_request_t& request, const Grid& grid) {
+  KeyBox box;
+  const auto last = static_cast<std::int32_t>(grid.tiles_per_axis()) - 1;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto lower = std::max(request.min_index[axis], 0);
+    const auto upper = std::min(request.max_index[axis], last);
+    if (lower > upper) {
+      return fail(ErrorCode::kOutOfRange,
+                  fmt::format("tiles_request_t: axis {}: from index {} to {}", axis,
+                              request.min_index[axis], request.max_index[axis]));
+    }
+    box.min[axis] = static_cast<std::uint32_t>(lower);
+    box.max[axis] = static_cast<std::uint32_t>(upper);
+  }
+  return box;
+}
+
+std::uint32_t capped(std::uint64_t count) {
+  return static_cast<std::uint32_t>(std::min<std::uint64_t>(count, UINT32_MAX));
+}
+
+}  // namespace
+
+TileQueries::TileQueries(Atlas& atlas, TileStore& store) : atlas_(atlas), store_(store) {}
+
+Result<model_reply_t> TileQueries::answer(const model_request_t& request) {
+  auto disk_bytes = store_.disk_bytes();
+  if (!disk_bytes) return pass_on(disk_bytes);
+  model_reply_t reply{};
+  reply.utime = utime_now();
+  reply.client = request.client;
+  reply.id = request.id;
+  reply.shard = static_cast<std::int32_t>(atlas_.shard());
+  reply.epoch = static_cast<std::int64_t>(atlas_.epoch());
+  reply.mark = request.source.empty() ? -1 : atlas_.mark(request.source, request.session);
+  reply.disk_bytes = static_cast<std::int64_t>(*disk_bytes);
+  reply.parameters = encode_parameters(atlas_.parameters());
+  reply.size = static_cast<std::int32_t>(reply.parameters.size());
+  return reply;
+}
+
+Result<tiles_reply_t> TileQueries::answer(const tiles_request_t& request) {
+  auto box = box_of(request, atlas_.parameters().grid());
+  if (!box) return pass_on(box);
+  tiles_reply_t reply{};
+  reply.utime = utime_now();
+  reply.client = request.client;
+  reply.id = request.id;
+  reply.shard = static_cast<std::int32_t>(atlas_.shard());
+  reply.details = request.details;
+  const bool details = request.details == 1;
+  const std::size_t row_bytes = details ? kDetailedRowBytes : kPlainRowBytes;
+  const std::uint64_t last_code = morton_encode(box->max);
+  std::uint64_t from = std::max(static_cast<std::uint64_t>(std::max<std::int64_t>(request.from, 0)),
+                                morton_encode(box->min));
+  const std::int64_t until = steady_utime() + kPatience;
+
+  for (bool room = true; room && from <= last_code;) {
+    auto first = TileKey::from_morton(from);
+    if (!first) return pass_on(first);
+    auto listed = atlas_.list(*first, kListedAtOnce);
+    if (!listed) return pass_on(listed);
+    if (listed->empty()) from = last_code + 1;
+    for (const TileInfo& tile : *listed) {
+      if (box->holds(tile.key)) {
+        if (auto added = add_row(tile, details, reply.rows); !added) return pass_on(added);
+        ++reply.tiles;
+      }
+      from = tile.key.morton() + 1;
+      room = reply.rows.size() + row_bytes <= kMaxRowsBytes && steady_utime() < until;
+      if (!room) break;
+    }
+  }
+  reply.next = from > last_code ? -1 : static_cast<std::int64_t>(from);
+  reply.size = static_cast<std::int32_t>(reply.rows.size());
+  return reply;
+}
+
+Status TileQueries::add_row(const TileInfo& tile, bool details, Bytes& rows) {
+  ByteWriter writer(rows);
+  writer.put(tile.key.morton());
+  writer.put(tile.version);
+  if (!details) return {};
+  auto encoded = atlas_.encoded(tile.key);
+  if (!encoded) return pass_on(encoded);
+  auto current = atlas_.tile(tile.key);
+  if (!current) return pass_on(current);
+  const auto counts = current->tree->counts();
+  writer.put_bytes(tile_hash(tile.key, *current->tree));
+  writer.put(capped(encoded->bytes.size()));
+  for (const std::uint64_t count : {counts.leaves, counts.occupied_leaves, counts.free_leaves,
+                                    counts.occupied_voxels, counts.free_voxels}) {
+    writer.put(capped(count));
+  }
+  writer.put(std::uint64_t{0});
+  return {};
+}
+
+Result<tile_reply_t> TileQueries::answer(const tile_request_t& request) {
+  auto key = atlas_.parameters().grid().tile_from_morton(static_cast<std::uint64_t>(request.tile));
+  if (!key) return pass_on(key, "tile_request_t");
+  tile_reply_t reply{};
+  reply.utime = utime_now();
+  reply.client = request.client;
+  reply.id = request.id;
+  reply.tile = request.tile;
+  reply.offset = request.offset;
+  auto encoded = atlas_.encoded(*key);
+  if (!encoded && encoded.error().code == ErrorCode::kNotFound) return reply;  // Version 0.
+  if (!encoded) return pass_on(encoded);
+  const auto total = encoded->bytes.size();
+  if (request.offset < 0) {
+    return fail(ErrorCode::kOutOfRange, fmt::format("tile_request_t: offset {}", request.offset));
+  }
+  // Beyond the end is no error: the tile may have shrunk since the range before; the version tells.
+  const auto offset = std::min(static_cast<std::size_t>(request.offset), total);
+  reply.version = static_cast<std::int64_t>(encoded->version);
+  reply.total = static_cast<std::int32_t>(total);
+  const auto payload =
+      ByteView(encoded->bytes).subspan(offset, std::min(total - offset, kMaxPayloadBytes));
+  reply.payload.assign(payload.begin(), payload.end());
+  reply.size = static_cast<std::int32_t>(reply.payload.size());
+  return reply;
+}
+
+}  // namespace voxatlas

@@ -1,0 +1,268 @@
+#include "tilestore/tilestore_process.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <deque>
+#include <memory>
+
+#include "base/log.hpp"
+#include "base/utime.hpp"
+#include "bus/channels.hpp"
+#include "bus/requests.hpp"
+#include "bus/service_loop.hpp"
+#include "bus/stream_link.hpp"
+#include "store/rocksdb_store.hpp"
+#include "tilestore/raw_tiles.hpp"
+#include "tilestore/tile_queries.hpp"
+#include "tilestore/tilestore_service.hpp"
+
+namespace voxatlas {
+
+namespace {
+
+class TilestoreProcess {
+ public:
+  explicit TilestoreProcess(const TilestoreOptions& options) : options_(options) {}
+
+  Status start();
+  Status run();
+
+ private:
+  Status open_model();
+  Status join_bus();
+  template <class Request>
+  void answer_on(const char* request_channel, const char* reply_channel);
+  Result<std::int64_t> work(std::int64_t now);
+  void take_messages();
+  void take_message(const StreamMessage& message);
+  Status commit(std::int64_t now);
+  std::vector<std::pair<std::string, double>> counters() const;
+
+  TilestoreOptions options_;
+  std::unique_ptr<RocksDbStore> store_;
+  std::unique_ptr<Atlas> atlas_;
+  std::unique_ptr<TilestoreService> service_;
+  std::unique_ptr<TileQueries> queries_;
+  std::unique_ptr<Bus> bus_;
+  std::unique_ptr<ReplyPorts> ports_;
+  std::unique_ptr<InLink> in_;
+  std::unique_ptr<RawTiles> raw_tiles_;
+  std::unique_ptr<StatusPublisher> status_;
+  std::deque<StreamMessage> waiting_;
+  std::int64_t retry_commit_at_ = 0;
+  std::uint64_t bad_requests_ = 0;
+};
+
+Status TilestoreProcess::start() {
+  if (auto opened = open_model(); !opened) return opened;
+  return join_bus();
+}
+
+Status TilestoreProcess::open_model() {
+  const auto shard = static_cast<ShardId>(options_.shard);
+  auto store = RocksDbStore::open(fmt::format("{}/shard-{}", options_.data_dir, shard), {});
+  if (!store) return pass_on(store);
+  store_ = std::move(*store);
+  auto stored = Atlas::stored_parameters(*store_, shard);
+  if (!stored) return pass_on(stored);
+  auto parameters =
+      apply_options(options_.model, options_.shards, stored->value_or(ModelParameters{}));
+  if (!parameters) return pass_on(parameters);
+  auto atlas = Atlas::open(*store_, shard, *parameters, options_.atlas);
+  if (!atlas) return pass_on(atlas, options_.data_dir);
+  atlas_ = std::move(*atlas);
+  service_ = std::make_unique<TilestoreService>(*atlas_);
+  queries_ = std::make_unique<TileQueries>(*atlas_, *store_);
+  log_info("shard {} of {} in {}: {}, {} journal records replayed", shard, options_.shards,
+           options_.data_dir, *stored ? "opened" : "new", atlas_->stats().replayed_records);
+  return {};
+}
+
+Status TilestoreProcess::join_bus() {
+  auto bus = Bus::create(options_.url);
+  if (!bus) return pass_on(bus);
+  bus_ = std::move(*bus);
+  status_ = std::make_unique<StatusPublisher>(*bus_, "tilestore", options_.shard);
+  ports_ = std::make_unique<ReplyPorts>(*bus_);
+  auto endpoint = Endpoint::create(EndpointClass::kStore, options_.shard);
+  if (!endpoint) return pass_on(endpoint);
+  auto in = InLink::create(*bus_, *endpoint, ConsumerConfig{});
+  if (!in) return pass_on(in);
+  in_ = std::move(*in);
+  auto raw_tiles = RawTiles::create(*bus_, options_.compressors);
+  if (!raw_tiles) return pass_on(raw_tiles);
+  raw_tiles_ = std::move(*raw_tiles);
+  answer_on<model_request_t>(kModelRequestChannel, kModelReplyChannel);
+  answer_on<tiles_request_t>(kTilesRequestChannel, kTilesReplyChannel);
+  answer_on<tile_request_t>(kTileRequestChannel, kTileReplyChannel);
+  return {};
+}
+
+template <class Request>
+void TilestoreProcess::answer_on(const char* request_channel, const char* reply_channel) {
+  bus_->subscribe<Request>(request_channel, [this, reply_channel](const Request& request) {
+    if (request.shard != options_.shard || request.deadline < utime_now()) return;
+    const auto send = [&]() -> Status {
+      auto reply = queries_->answer(request);
+      if (!reply) return pass_on(reply);
+      auto port = ports_->at(request.reply_port);
+      if (!port) return pass_on(port);
+      return (*port)->publish(reply_channel, *reply);
+    };
+    if (auto sent = send(); !sent) {
+      ++bad_requests_;
+      log_warning("{} of client {} not answered: {}", Request::getTypeName(), request.client,
+                  sent.error().message);
+    }
+  });
+}
+
+Status TilestoreProcess::run() {
+  status_->set_state(true, "ready");
+  log_info("ready");
+  ServiceLoop loop;
+  loop.buses = {bus_.get(), &in_->port()};
+  loop.work = [this](std::int64_t now) { return work(now); };
+  if (auto ended = loop.run(); !ended) return ended;
+  log_info("stopping: writing {} tiles", atlas_->stats().dirty_tiles);
+  return atlas_->flush();
+}
+
+Result<std::int64_t> TilestoreProcess::work(std::int64_t now) {
+  take_messages();
+  if (auto committed = commit(now); !committed) return pass_on(committed);
+  if (auto pumped = in_->pump(now); !pumped) return pass_on(pumped);
+  if (auto pumped = raw_tiles_->pump(*atlas_, now); !pumped) return pass_on(pumped);
+  if (auto sent = status_->pump(now, [this] { return counters(); }); !sent) return pass_on(sent);
+  const bool idle = waiting_.empty() && service_->waiting() == 0;
+  if (idle && atlas_->stats().dirty_tiles > 0) {
+    constexpr std::size_t kTilesAtOnce = 16;  // A few milliseconds: new scans must not wait long.
+    if (auto flushed = atlas_->flush_some(kTilesAtOnce);
+        !flushed && flushed.error().code != ErrorCode::kNoSpace) {
+      return pass_on(flushed);
+    }
+    return now;
+  }
+  return std::min(in_->consumer().next_poll(now), raw_tiles_->next_poll(now));
+}
+
+void TilestoreProcess::take_messages() {
+  if (waiting_.empty() && service_->has_room()) {
+    for (auto& message : in_->consumer().take()) waiting_.push_back(std::move(message));
+  }
+  while (!waiting_.empty() && service_->has_room()) {
+    take_message(waiting_.front());
+    waiting_.pop_front();
+  }
+}
+
+void TilestoreProcess::take_message(const StreamMessage& message) {
+  if (message.kind == MessageKind::kTileEncoded) {
+    if (auto encoded = decode_message<tile_encoded_t>(message.payload)) {
+      service_->take(*encoded);
+      if (auto key = TileKey::from_morton(static_cast<std::uint64_t>(encoded->tile))) {
+        raw_tiles_->answered(*key);
+      }
+    }
+    in_->consumer().commit(message.session, message.number);  // Best effort: it will be made again.
+    return;
+  }
+  if (message.kind == MessageKind::kScanDelta) {
+    auto delta = decode_message<scan_delta_t>(message.payload);
+    if (delta) return service_->take(*delta, message.session, message.number);
+    log_error("message {} of stream {} refused: {}", message.number, message.session,
+              delta.error().message);
+    return;
+  }
+  log_error("message {} of stream {} refused: kind {} is not for a tilestore", message.number,
+            message.session, static_cast<int>(message.kind));
+}
+
+Status TilestoreProcess::commit(std::int64_t now) {
+  if (now < retry_commit_at_) return {};
+  auto outcome = service_->commit();
+  if (!outcome && outcome.error().code == ErrorCode::kNoSpace) {
+    if (retry_commit_at_ == 0) log_error("no room on disk, waiting: {}", outcome.error().message);
+    status_->set_state(false, "no room on disk");
+    retry_commit_at_ = now + 1'000'000;
+    return {};
+  }
+  if (!outcome) return pass_on(outcome);
+  if (retry_commit_at_ != 0) {
+    log_info("there is room on disk again");
+    status_->set_state(true, "ready");
+    retry_commit_at_ = 0;
+  }
+  for (const auto& done : outcome->acknowledged) {
+    in_->consumer().commit(done.session, done.number);
+  }
+  for (const auto& update : outcome->updates) {
+    if (auto sent = bus_->publish(kTileUpdateChannel, update); !sent) return sent;
+  }
+  return {};
+}
+
+std::vector<std::pair<std::string, double>> TilestoreProcess::counters() const {
+  const auto number = [](auto value) { return static_cast<double>(value); };
+  const auto stats = atlas_->stats();
+  const auto& deltas = service_->counters();
+  return {{"epoch", number(atlas_->epoch())},
+          {"scans_applied", number(stats.scans_applied)},
+          {"deltas_applied", number(stats.deltas_applied)},
+          {"commits", number(deltas.commits)},
+          {"duplicates", number(deltas.duplicates)},
+          {"refused", number(deltas.refused)},
+          {"scans_waiting", number(service_->waiting())},
+          {"cached_tiles", number(stats.cached_tiles)},
+          {"cached_bytes", number(stats.cached_bytes)},
+          {"dirty_tiles", number(stats.dirty_tiles)},
+          {"journal_bytes", number(stats.journal_bytes)},
+          {"tiles_flushed", number(stats.tiles_flushed)},
+          {"cache_misses", number(stats.cache_misses)},
+          {"handed_to_compress", number(raw_tiles_->handed_out())},
+          {"encoded_taken", number(deltas.encoded_taken)},
+          {"encoded_stale", number(deltas.encoded_stale)},
+          {"encoded_wrong", number(deltas.encoded_wrong)},
+          {"bad_requests", number(bad_requests_)},
+          {"undecodable", number(bus_->counters().undecodable)}};
+}
+
+}  // namespace
+
+Result<ModelParameters> apply_options(const ModelOptions& options, std::int32_t shards,
+                                      const ModelParameters& base) {
+  ModelParameters result = base;
+  result.cells_per_metre = options.cells_per_metre.value_or(base.cells_per_metre);
+  auto& integration = result.integration;
+  integration.free_depth = options.free_depth.value_or(integration.free_depth);
+  integration.surface_depth = options.surface_depth.value_or(integration.surface_depth);
+  integration.min_range = options.min_range.value_or(integration.min_range);
+  integration.max_range = options.max_range.value_or(integration.max_range);
+  const auto set = [](const std::optional<double>& probability, LogOdds& value) -> Status {
+    if (!probability) return {};
+    auto log_odds = to_log_odds(*probability);
+    if (!log_odds) return pass_on(log_odds);
+    value = *log_odds;
+    return {};
+  };
+  for (auto& status : {set(options.hit, result.sensor.hit), set(options.miss, result.sensor.miss),
+                       set(options.clamp_min, result.sensor.clamp_min),
+                       set(options.clamp_max, result.sensor.clamp_max)}) {
+    if (!status) return tl::unexpected<Error>(status.error());
+  }
+  result.shards = static_cast<std::uint32_t>(shards);
+  if (auto sound = result.check(); !sound) return pass_on(sound);
+  return result;
+}
+
+Status serve_tilestore(const TilestoreOptions& options) {
+  stop_on_signals();
+  TilestoreProcess process(options);
+  if (auto started = process.start(); !started) return started;
+  auto ended = process.run();
+  if (ended) log_info("stopped");
+  return ended;
+}
+
+}  // namespace voxatlas

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "atlas/atlas.hpp"
+#include "atlas/model_parameters.hpp"
+#include "base/result.hpp"
+#include "bus/bus_url.hpp"
+
+namespace voxatlas {
+
+/// What a person may say of a model; what is not said is the stored model's, or the default.
+struct ModelOptions {
+  std::optional<int> cells_per_metre, free_depth, surface_depth;
+  std::optional<double> min_range, max_range;
+  std::optional<double> hit, miss, clamp_min, clamp_max;  ///< Probabilities.
+};
+
+struct TilestoreOptions {
+  std::string url = kDefaultBusUrl;
+  std::string data_dir;
+  std::int32_t shard = 0;
+  std::int32_t shards = 1;
+  std::int32_t compressors = 1;
+  AtlasOptions atlas;
+  ModelOptions model;
+};
+
+/// The options over `base` (the stored model's parameters, or the defaults).
+/// Errors: kOutOfRange for values no model can have.
+Result<ModelParameters> apply_options(const ModelOptions& options, std::int32_t shards,
+                                      const ModelParameters& base);
+
+/// The process: opens and recovers its shard, joins the bus, works until a signal, flushes, closes.
+/// Errors: what keeps it from starting, or from going on.
+Status serve_tilestore(const TilestoreOptions& options);
+
+}  // namespace voxatlas

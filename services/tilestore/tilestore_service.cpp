@@ -1,0 +1,128 @@
+#include "tilestore/tilestore_service.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+
+#include "base/log.hpp"
+#include "base/utime.hpp"
+#include "bus/bus.hpp"
+
+namespace voxatlas {
+
+TilestoreService::TilestoreService(Atlas& atlas)
+    : atlas_(atlas), parameters_id_(parameters_id(atlas.parameters())) {
+  order_.start_from(atlas.marks());
+}
+
+bool TilestoreService::has_room() const { return ready_.size() < kMaxQueued; }
+
+void TilestoreService::take(const scan_delta_t& message, std::int64_t session,
+                            std::int64_t number) {
+  ++counters_.deltas;
+  auto scan = to_shard_scan(message);
+  Result<ScanOrder::Offer> offered = ScanOrder::Offer::kTaken;
+  if (scan) offered = order_.offer(std::move(*scan), message.acked_below);
+  if (!scan || !offered) {
+    ++counters_.refused;
+    log_error("delta of scan {} of {}, session {}, refused: {}", message.seq, message.source,
+              message.session, scan ? offered.error().message : scan.error().message);
+  } else if (*offered == ScanOrder::Offer::kDuplicate) {
+    ++counters_.duplicates;
+  }
+  const bool usable = scan && offered;
+  streams_[session].push_back({number, message.source, message.session,
+                               usable ? message.seq : INT64_MAX});  // Never at or below a mark.
+  std::ranges::move(order_.take_ready(), std::back_inserter(ready_));
+}
+
+Result<ShardScan> TilestoreService::to_shard_scan(const scan_delta_t& message) const {
+  const auto& parameters = atlas_.parameters();
+  if (message.shard != static_cast<std::int32_t>(atlas_.shard()) ||
+      message.shards != static_cast<std::int32_t>(parameters.shards)) {
+    return fail(ErrorCode::kInvalid,
+                fmt::format("for shard {} of {}, this is {} of {}", message.shard, message.shards,
+                            atlas_.shard(), parameters.shards));
+  }
+  if (message.parameters != parameters_id_) {
+    return fail(ErrorCode::kInvalid, "it was computed with other model parameters");
+  }
+  ShardScan scan{message.source, message.session, message.seq, {}};
+  ByteReader reader(message.data);
+  for (std::int32_t i = 0; i < message.tiles && reader.ok(); ++i) {
+    auto key = TileKey::from_morton(reader.get<std::uint64_t>());
+    if (!key) return pass_on(key);
+    const ByteView delta = reader.get_bytes(reader.get<std::uint32_t>());
+    scan.deltas.emplace_back(*key, Bytes(delta.begin(), delta.end()));
+  }
+  if (!reader.at_end()) {
+    return fail(ErrorCode::kCorrupt,
+                fmt::format("{} tiles do not fit {} bytes", message.tiles, message.data.size()));
+  }
+  if (auto sound = atlas_.check_scan(scan); !sound) return pass_on(sound);
+  return scan;
+}
+
+Result<TilestoreService::Outcome> TilestoreService::commit() {
+  Outcome outcome;
+  if (!ready_.empty()) {
+    auto changes = atlas_.commit(ready_);
+    if (!changes) return pass_on(changes);
+    ++counters_.commits;
+    ready_.clear();
+    outcome.updates.reserve(changes->size());
+    for (const auto& change : *changes) outcome.updates.push_back(to_update(change));
+  }
+  outcome.acknowledged = acknowledge();
+  return outcome;
+}
+
+std::vector<TilestoreService::Acknowledgement> TilestoreService::acknowledge() {
+  std::vector<Acknowledgement> result;
+  for (auto& [stream, messages] : streams_) {
+    Acknowledgement last;
+    while (!messages.empty() &&
+           messages.front().seq <= atlas_.mark(messages.front().source, messages.front().session)) {
+      last = {stream, messages.front().number};
+      messages.pop_front();
+    }
+    if (last.session != 0) result.push_back(last);
+  }
+  std::erase_if(streams_, [](const auto& entry) { return entry.second.empty(); });
+  return result;
+}
+
+tile_update_t TilestoreService::to_update(const TileChange& change) const {
+  tile_update_t update{};
+  update.utime = utime_now();
+  update.tile = static_cast<std::int64_t>(change.key.morton());
+  update.version = static_cast<std::int64_t>(change.version);
+  update.shard = static_cast<std::int32_t>(atlas_.shard());
+  if (change.delta.size() + 64 <= Bus::kMaxPlainBytes) {
+    update.content = 1;
+    update.payload = change.delta;
+    update.size = static_cast<std::int32_t>(update.payload.size());
+  }
+  return update;
+}
+
+void TilestoreService::take(const tile_encoded_t& message) {
+  auto key = atlas_.parameters().grid().tile_from_morton(static_cast<std::uint64_t>(message.tile));
+  Result<bool> taken = false;
+  if (key) {
+    taken =
+        atlas_.take_encoded({*key, static_cast<std::uint64_t>(message.version), message.payload});
+  } else {
+    taken = pass_on(key);
+  }
+  if (!taken) {
+    ++counters_.encoded_wrong;
+    log_warning("compressed tile {:#x} refused: {}", static_cast<std::uint64_t>(message.tile),
+                taken.error().message);
+  } else {
+    ++(*taken ? counters_.encoded_taken : counters_.encoded_stale);
+  }
+}
+
+}  // namespace voxatlas

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "atlas/atlas.hpp"
+#include "atlas/scan_order.hpp"
+#include "bus/wire.hpp"
+
+namespace voxatlas {
+
+/// What a tile store does with deltas, without a network: applies them in order and durably.
+///
+/// Source:  DESIGN sections 6 and 7. A delta may be acknowledged when its scan's seq is at or below
+/// the
+///          source's mark: it is in the journal, synced, whoever computed it.
+/// Memory:  ScanOrder's bound for each source; at most kMaxQueued deltas are taken before a commit.
+/// Threads: one at a time.
+class TilestoreService {
+ public:
+  static constexpr std::size_t kMaxQueued = 256;
+
+  explicit TilestoreService(Atlas& atlas);
+
+  /// False: take no more deltas for now, let the ingests wait.
+  bool has_room() const;
+
+  /// Takes a delta that came as message `number` of stream `session`. One of another model, another
+  /// shard, or that does not decode is refused: counted, logged, never acknowledged.
+  void take(const scan_delta_t& message, std::int64_t session, std::int64_t number);
+
+  struct Acknowledgement {
+    std::int64_t session = 0;
+    std::int64_t number = 0;
+  };
+  struct Outcome {
+    std::vector<Acknowledgement> acknowledged;  ///< Streams, each up to a message.
+    std::vector<tile_update_t> updates;         ///< Durable already.
+  };
+  /// Applies all that is in order with one group commit.
+  /// Errors: kNoSpace: nothing is lost, call again later. Any other: this process must not go on.
+  Result<Outcome> commit();
+
+  /// A compressor's result. Taken, stale, or wrong: counted, and logged where it is wrong.
+  void take(const tile_encoded_t& message);
+
+  struct Counters {
+    std::uint64_t deltas = 0, duplicates = 0, refused = 0, commits = 0;
+    std::uint64_t encoded_taken = 0, encoded_stale = 0, encoded_wrong = 0;
+  };
+  const Counters& counters() const { return counters_; }
+  std::size_t waiting() const { return order_.waiting() + ready_.size(); }
+
+ private:
+  struct Pending {
+    std::int64_t number = 0;
+    std::string source;
+    std::int64_t session = 0;
+    std::int64_t seq = 0;
+  };
+  Result<ShardScan> to_shard_scan(const scan_delta_t& message) const;
+  std::vector<Acknowledgement> acknowledge();
+  tile_update_t to_update(const TileChange& change) const;
+
+  Atlas& atlas_;
+  std::int64_t parameters_id_;
+  ScanOrder order_;
+  std::vector<ShardScan> ready_;  ///< In order, not yet durable.
+  std::map<std::int64_t, std::deque<Pending>>
+      streams_;  ///< By stream session: not yet acknowledged.
+  Counters counters_;
+};
+
+}  // namespace voxatlas

@@ -1,0 +1,143 @@
+#include "tilestore/tile_queries.hpp"
+
+#include <catch2/catch.hpp>
+#include <set>
+
+#include "base/utime.hpp"
+#include "codec/tile_codec.hpp"
+#include "octree/tile_hash.hpp"
+#include "store/memory_store.hpp"
+#include "support/engine.hpp"
+
+namespace voxatlas {
+namespace {
+
+constexpr std::uint32_t kCorner = 500'000;
+
+/// A model of `tiles` tiles in a row along x, the first ones with many mixed bricks.
+std::unique_ptr<Atlas> model(MemoryStore& store, std::uint32_t tiles, int cells) {
+  auto rng = test::engine();
+  auto atlas = Atlas::open(store, 0, {}, {}).value();
+  ShardScan scan{"car", 9, 0, {}};
+  std::map<std::uint64_t, Bytes> deltas;
+  for (std::uint32_t x = 0; x < tiles; ++x) {
+    TileDelta delta;
+    for (int i = 0; i < cells; ++i) {
+      delta.hits.insert({7, static_cast<std::uint32_t>(rng() % (1u << 21))});
+    }
+    encode_delta(delta, deltas[TileKey::from_index({kCorner + x, kCorner, kCorner})->morton()]);
+  }
+  for (auto& [key, bytes] : deltas) {
+    scan.deltas.emplace_back(TileKey::from_morton(key).value(), std::move(bytes));
+  }
+  REQUIRE(atlas->commit({&scan, 1}).has_value());
+  return atlas;
+}
+
+tiles_request_t everything() {
+  tiles_request_t request{};
+  request.client = 3;
+  for (auto& index : request.max_index) index = 999'999;
+  return request;
+}
+
+TEST_CASE("pages together name every tile once, in key order", "[tilestore]") {
+  MemoryStore store;
+  auto atlas = model(store, 1'500, 1);
+  TileQueries queries(*atlas, store);
+  auto request = everything();
+  request.details = GENERATE(std::int8_t{0}, std::int8_t{1});
+  const std::size_t row_bytes = request.details == 1 ? 80 : 16;
+  std::vector<std::uint64_t> keys;
+  while (request.from >= 0) {
+    const auto reply = queries.answer(request);
+    REQUIRE(reply.has_value());
+    REQUIRE(reply->getEncodedSize() <= 60'000);
+    REQUIRE(reply->rows.size() == static_cast<std::size_t>(reply->tiles) * row_bytes);
+    for (std::size_t at = 0; at < reply->rows.size(); at += row_bytes) {
+      ByteReader reader(ByteView(reply->rows).subspan(at, row_bytes));
+      keys.push_back(reader.get<std::uint64_t>());
+      REQUIRE(reader.get<std::uint64_t>() == 1);  // Version.
+      if (request.details == 0) continue;
+      const auto key = TileKey::from_morton(keys.back()).value();
+      const auto hash = tile_hash(key, *atlas->tile(key)->tree);
+      const ByteView got = reader.get_bytes(hash.size());
+      REQUIRE(std::equal(got.begin(), got.end(), hash.begin()));
+    }
+    request.from = reply->next;
+  }
+  REQUIRE(keys.size() == 1'500);
+  REQUIRE(std::is_sorted(keys.begin(), keys.end()));
+  REQUIRE(std::set(keys.begin(), keys.end()).size() == keys.size());
+}
+
+TEST_CASE("a box gives the tiles in it and no others", "[tilestore]") {
+  MemoryStore store;
+  auto atlas = model(store, 100, 1);
+  TileQueries queries(*atlas, store);
+  auto request = everything();
+  request.min_index[0] = kCorner + 10;
+  request.max_index[0] = kCorner + 19;
+  const auto reply = queries.answer(request);
+  REQUIRE(reply->tiles == 10);
+  request.min_index[0] = kCorner + 20;
+  REQUIRE(queries.answer(request).error().code == ErrorCode::kOutOfRange);
+}
+
+TEST_CASE("a large tile comes whole in ranges", "[tilestore]") {
+  MemoryStore store;
+  auto atlas = model(store, 1, 200'000);
+  TileQueries queries(*atlas, store);
+  const auto key = TileKey::from_index({kCorner, kCorner, kCorner}).value();
+  tile_request_t request{};
+  request.tile = static_cast<std::int64_t>(key.morton());
+  Bytes bytes;
+  int ranges = 0;
+  do {
+    request.offset = static_cast<std::int32_t>(bytes.size());
+    const auto reply = queries.answer(request);
+    REQUIRE(reply.has_value());
+    REQUIRE(reply->getEncodedSize() <= 60'000);
+    REQUIRE(reply->version == 1);
+    bytes.insert(bytes.end(), reply->payload.begin(), reply->payload.end());
+    ++ranges;
+    if (bytes.size() == static_cast<std::size_t>(reply->total)) break;
+  } while (ranges < 1'000);
+  REQUIRE(ranges > 1);
+  REQUIRE(decode_tile(bytes).value() == *atlas->tile(key)->tree);
+}
+
+TEST_CASE("questions that cannot be are refused, and a tile never written has version 0",
+          "[tilestore]") {
+  MemoryStore store;
+  auto atlas = model(store, 1, 1);
+  TileQueries queries(*atlas, store);
+  tile_request_t request{};
+  request.tile = -1;
+  REQUIRE_FALSE(queries.answer(request).has_value());
+  request.tile = 12;
+  REQUIRE(queries.answer(request)->version == 0);
+  request.tile =
+      static_cast<std::int64_t>(TileKey::from_index({kCorner, kCorner, kCorner})->morton());
+  request.offset = -5;
+  REQUIRE_FALSE(queries.answer(request).has_value());
+  request.offset = 1 << 30;
+  REQUIRE(queries.answer(request)->size == 0);
+}
+
+TEST_CASE("a shard says who it is and where a source stands", "[tilestore]") {
+  MemoryStore store;
+  auto atlas = model(store, 1, 1);
+  TileQueries queries(*atlas, store);
+  model_request_t request{};
+  request.source = "car";
+  request.session = 9;
+  const auto reply = queries.answer(request);
+  REQUIRE(reply->mark == 0);
+  REQUIRE(decode_parameters(reply->parameters).value() == ModelParameters{});
+  request.session = 10;
+  REQUIRE(queries.answer(request)->mark == -1);
+}
+
+}  // namespace
+}  // namespace voxatlas

@@ -1,0 +1,169 @@
+#include "tilestore/tilestore_service.hpp"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <map>
+#include <set>
+
+#include "octree/tile_hash.hpp"
+#include "store/memory_store.hpp"
+#include "support/engine.hpp"
+
+namespace voxatlas {
+namespace {
+
+TileKey tile(std::uint32_t x) {
+  return TileKey::from_index({500'000 + x, 500'000, 500'000}).value();
+}
+
+/// A scan that changes a few of eight tiles.
+scan_delta_t random_delta(std::mt19937_64& rng, std::int64_t seq) {
+  scan_delta_t message{};
+  message.source = "car";
+  message.session = 9;
+  message.seq = seq;
+  message.parameters = parameters_id(ModelParameters{});
+  message.shards = 1;
+  ByteWriter writer(message.data);
+  for (std::uint32_t x = 0; x < 8; ++x) {
+    if (rng() % 2 == 0) continue;
+    TileDelta delta;
+    delta.misses.depth = 4;
+    for (int i = 0; i < 5; ++i) {
+      delta.misses.insert({4, static_cast<std::uint32_t>(rng() % 2'048)});
+      delta.hits.insert({7, static_cast<std::uint32_t>((2'048u << 9) + rng() % 100'000)});
+    }
+    Bytes bytes;
+    encode_delta(delta, bytes);
+    writer.put(tile(x).morton());
+    writer.put(static_cast<std::uint32_t>(bytes.size()));
+    writer.put_bytes(bytes);
+    ++message.tiles;
+  }
+  message.size = static_cast<std::int32_t>(message.data.size());
+  return message;
+}
+
+/// Oracle: every delta applied in seq order to plain trees.
+std::map<std::uint64_t, TileTree> applied_in_order(const std::vector<scan_delta_t>& messages) {
+  std::map<std::uint64_t, TileTree> trees;
+  for (const auto& message : messages) {
+    ByteReader reader(message.data);
+    for (std::int32_t i = 0; i < message.tiles; ++i) {
+      const auto key = reader.get<std::uint64_t>();
+      const auto delta = decode_delta(reader.get_bytes(reader.get<std::uint32_t>()));
+      trees[key].apply(*delta, SensorModel::standard());
+    }
+  }
+  return trees;
+}
+
+struct Fixture {
+  MemoryStore store;
+  std::unique_ptr<Atlas> atlas = Atlas::open(store, 0, {}, {}).value();
+  TilestoreService service{*atlas};
+};
+
+TEST_CASE("deltas in any order, doubled, by several streams, make the model of their order",
+          "[tilestore]") {
+  auto rng = test::engine();
+  INFO("VOX_SEED=" << test::seed());
+  std::vector<scan_delta_t> scans;
+  for (std::int64_t seq = 0; seq < 60; ++seq) scans.push_back(random_delta(rng, seq));
+  auto arrivals = scans;
+  arrivals.insert(arrivals.end(), scans.begin(), scans.end());
+  std::shuffle(arrivals.begin(), arrivals.end(), rng);
+
+  Fixture set;
+  std::map<std::int64_t, std::int64_t> sent, acknowledged;  // By stream.
+  for (const auto& message : arrivals) {
+    const std::int64_t stream = 1 + static_cast<std::int64_t>(rng() % 3);
+    set.service.take(message, stream, sent[stream]++);
+    const auto outcome = set.service.commit();
+    REQUIRE(outcome.has_value());
+    for (const auto& done : outcome->acknowledged) {
+      REQUIRE(done.number >= acknowledged[done.session]);
+      acknowledged[done.session] = done.number + 1;
+    }
+  }
+  REQUIRE(acknowledged == sent);
+  REQUIRE(set.atlas->mark("car", 9) == 59);
+  REQUIRE(set.service.counters().duplicates == 60);
+  for (const auto& [key, tree] : applied_in_order(scans)) {
+    const auto tile_key = TileKey::from_morton(key).value();
+    const auto kept = set.atlas->tile(tile_key);
+    REQUIRE(kept.has_value());
+    REQUIRE(tile_hash(tile_key, *kept->tree) == tile_hash(tile_key, tree));
+  }
+}
+
+TEST_CASE("a delta is acknowledged only when every scan before it is applied", "[tilestore]") {
+  auto rng = test::engine();
+  Fixture set;
+  set.service.take(random_delta(rng, 1), 5, 0);
+  REQUIRE(set.service.commit()->acknowledged.empty());
+  REQUIRE(set.atlas->mark("car", 9) == -1);
+  set.service.take(random_delta(rng, 0), 6, 0);
+  const auto outcome = set.service.commit();
+  REQUIRE(outcome->acknowledged.size() == 2);
+  REQUIRE(set.atlas->mark("car", 9) == 1);
+}
+
+TEST_CASE("updates tell each tile's new version, one more each time", "[tilestore]") {
+  auto rng = test::engine();
+  Fixture set;
+  std::map<std::int64_t, std::int64_t> versions;
+  for (std::int64_t seq = 0; seq < 20; ++seq) {
+    set.service.take(random_delta(rng, seq), 5, seq);
+    const auto outcome = set.service.commit();
+    for (const auto& update : outcome->updates) {
+      REQUIRE(update.version == ++versions[update.tile]);
+      REQUIRE(update.content == 1);
+      REQUIRE(decode_delta(update.payload).has_value());
+    }
+  }
+}
+
+TEST_CASE("deltas of another model or shard, or that do not decode, are never acknowledged",
+          "[tilestore]") {
+  auto rng = test::engine();
+  scan_delta_t message = random_delta(rng, 0);
+  SECTION("parameters") { ++message.parameters; }
+  SECTION("shard") { message.shard = 1; }
+  SECTION("shards") { message.shards = 2; }
+  SECTION("data cut") { message.data.resize(message.data.size() - 1); }
+  SECTION("delta broken") {
+    std::fill(message.data.begin() + 12, message.data.end(), std::uint8_t{0xff});
+  }
+  SECTION("tiles") { ++message.tiles; }
+  Fixture set;
+  set.service.take(message, 5, 0);
+  REQUIRE(set.service.commit()->acknowledged.empty());
+  REQUIRE(set.service.counters().refused == 1);
+  REQUIRE(set.atlas->mark("car", 9) == -1);
+  // The right one, by another stream, still finds its place.
+  set.service.take(random_delta(rng, 0), 6, 0);
+  REQUIRE(set.service.commit()->acknowledged.size() == 1);
+}
+
+TEST_CASE("a restarted store goes on from its marks", "[tilestore]") {
+  auto rng = test::engine();
+  MemoryStore store;
+  const auto first = random_delta(rng, 0);
+  {
+    auto atlas = Atlas::open(store, 0, {}, {}).value();
+    TilestoreService service(*atlas);
+    service.take(first, 5, 0);
+    REQUIRE(service.commit()->acknowledged.size() == 1);
+  }  // No flush: as a kill would leave it.
+  auto atlas = Atlas::open(store, 0, {}, {}).value();
+  TilestoreService service(*atlas);
+  service.take(first, 7, 0);
+  REQUIRE(service.counters().duplicates == 1);
+  REQUIRE(service.commit()->acknowledged.size() == 1);
+  service.take(random_delta(rng, 1), 7, 1);
+  REQUIRE(service.commit()->acknowledged.at(0).number == 1);
+}
+
+}  // namespace
+}  // namespace voxatlas
