@@ -1,0 +1,187 @@
+// voxatlas: the command line.
+//
+//   publish    scans from files or the simulated drive, reliably, to ingests
+//   render     a picture of the model as a file
+//   watch      frames | tiles | status, as they are published
+//   stat       what the model holds
+//   simulate   the simulated drive as files
+//
+// Every subcommand is a file of its own; this one declares their options.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <exception>
+#include <functional>
+
+#include "base/log.hpp"
+#include "bus/bus_url.hpp"
+#include "bus/service_loop.hpp"
+#include "cli/publish.hpp"
+#include "cli/render.hpp"
+#include "cli/simulate.hpp"
+#include "cli/stat.hpp"
+#include "cli/watch.hpp"
+
+namespace voxatlas {
+
+/// What the chosen subcommand will do.
+using Command = std::function<Status()>;
+
+static void declare_publish(CLI::App& app, Command& command);
+static void declare_render(CLI::App& app, Command& command);
+static void declare_watch(CLI::App& app, Command& command);
+static void declare_stat(CLI::App& app, Command& command);
+static void declare_simulate(CLI::App& app, Command& command);
+
+}  // namespace voxatlas
+
+int main(int argc, char** argv) {
+  voxatlas::Command command;
+  CLI::App app{
+      "voxatlas: a probabilistic voxel model of the whole Earth.\n"
+      "Start the services with scripts/up, then publish scans and ask for pictures."};
+  app.require_subcommand(1);
+  voxatlas::declare_publish(app, command);
+  voxatlas::declare_render(app, command);
+  voxatlas::declare_watch(app, command);
+  voxatlas::declare_stat(app, command);
+  voxatlas::declare_simulate(app, command);
+  CLI11_PARSE(app, argc, argv);
+  voxatlas::stop_on_signals();
+  try {
+    const auto done = command();
+    if (done) return 0;
+    fmt::print(stderr, "voxatlas: {}\n", done.error().message);
+  } catch (const std::exception& e) {  // Nothing can go on: no memory, no threads.
+    fmt::print(stderr, "voxatlas: {}\n", e.what());
+  }
+  return 1;
+}
+
+namespace voxatlas {
+
+static void add_url(CLI::App& app, std::string& url) {
+  url = kDefaultBusUrl;
+  app.add_option("--url", url, "LCM URL of the bus")
+      ->envname("LCM_DEFAULT_URL")
+      ->capture_default_str();
+}
+
+/// A subcommand whose options live as long as the program, and what it runs.
+template <class Options>
+static Options& add_command(CLI::App& app, CLI::App*& sub, const char* name, const char* help,
+                            Command& command, Status (*run)(const Options&)) {
+  auto options = std::make_shared<Options>();  // Owned by the callback, as long as the app lives.
+  sub = app.add_subcommand(name, help);
+  sub->callback([options, run, &command] { command = [options, run] { return run(*options); }; });
+  return *options;
+}
+
+static void declare_publish(CLI::App& app, Command& command) {
+  CLI::App* sub = nullptr;
+  auto& options = add_command<PublishOptions>(app, sub, "publish",
+                                              "publish scans reliably; returns when every one is "
+                                              "durable, and run again goes on where it was",
+                                              command, run_publish);
+  add_url(*sub, options.url);
+  auto* folder = sub->add_option("folder", options.kitti.folder,
+                                 "scans in KITTI odometry form: velodyne/NNNNNN.bin, times.txt");
+  auto* poses =
+      sub->add_option("--poses", options.kitti.poses,
+                      "12 numbers a line, ecef_from_sensor; looked up in the folder first");
+  sub->add_option(
+      "--origin", options.kitti.origin,
+      "LAT,LON,HEIGHT of the poses' local frame (east, north, up), where they have one");
+  auto* simulate = sub->add_option("--simulate", options.simulate,
+                                   "publish so many scans of the simulated drive instead");
+  sub->add_option("--seed", options.seed, "of the simulated drive")->capture_default_str();
+  sub->add_option("--source", options.source, "who publishes [the input's name]");
+  sub->add_option("--session", options.session,
+                  "number of the run [made of the input: the same input is never added twice]")
+      ->check(CLI::NonNegativeNumber);
+  sub->add_option("--sigma", options.sigma,
+                  "standard deviation of the points, localisation included, metres [0.02]");
+  sub->add_option("--min-range", options.min_range,
+                  "nearer returns are the vehicle, metres [2.5; simulated: 0]");
+  sub->add_option("--ingests", options.ingests, "how many ingests to spread over")
+      ->check(CLI::Range(1, 100))
+      ->capture_default_str();
+  sub->add_flag("--json", options.json, "print the result as JSON");
+  folder->excludes(simulate)->needs(poses);
+  poses->needs(folder);
+  sub->parse_complete_callback([sub] {
+    if (sub->count("folder") + sub->count("--simulate") == 0) {
+      throw CLI::RequiredError("a folder with --poses, or --simulate N,");
+    }
+  });
+}
+
+static void declare_render(CLI::App& app, Command& command) {
+  CLI::App* sub = nullptr;
+  auto& options = add_command<RenderOptions>(app, sub, "render", "a picture of the model, as a PNG",
+                                             command, run_render);
+  add_url(*sub, options.url);
+  sub->add_option("--view", options.view, "a view of what the model holds")
+      ->check(CLI::IsMember({"street", "oblique"}))
+      ->capture_default_str();
+  auto* at =
+      sub->add_option("--at", options.at, "stand at LAT,LON,HEIGHT instead (above the ellipsoid)");
+  sub->add_option("--heading", options.heading, "and look this way, degrees from north, east is 90")
+      ->needs(at);
+  sub->add_option("--size", options.size, "WIDTHxHEIGHT, pixels")->capture_default_str();
+  sub->add_option("--depth", options.depth, "depth of the cells drawn: 0 to 7 (10 cm)")
+      ->check(CLI::Range(0, 7))
+      ->capture_default_str();
+  sub->add_option("--colouring", options.colouring, "rgb, height, probability or depth")
+      ->capture_default_str();
+  sub->add_option("--out", options.out, "file to be written: a PNG, a JPEG with --broadcast")
+      ->required();
+  sub->add_flag("--broadcast", options.broadcast,
+                "let everyone who watches frames see it too, as a JPEG of at most 150 kB");
+  sub->add_option("--timeout", options.timeout, "seconds to wait for the picture")
+      ->capture_default_str();
+  sub->add_flag("--json", options.json, "print what was drawn and the stages' times as JSON");
+}
+
+static void declare_watch(CLI::App& app, Command& command) {
+  auto* watch = app.add_subcommand("watch", "print what is published, a line each, until Ctrl-C");
+  watch->require_subcommand(1);
+  const auto add = [&](const char* name, const char* help, Status (*run)(const WatchOptions&)) {
+    CLI::App* sub = nullptr;
+    auto& options = add_command<WatchOptions>(*watch, sub, name, help, command, run);
+    add_url(*sub, options.url);
+    sub->add_option("--count", options.count, "end after so many messages [0: never]");
+    sub->add_option("--timeout", options.timeout, "seconds, then it is an error [0: none]");
+    sub->add_flag("--json", options.json, "one JSON object a line");
+    return std::pair<CLI::App*, WatchOptions*>(sub, &options);
+  };
+  auto [frames, frame_options] = add("frames", "pictures that renderers broadcast", watch_frames);
+  frames->add_option("--out", frame_options->out, "folder to keep the pictures in");
+  add("tiles", "tiles that have changed", watch_tiles);
+  auto [status, status_options] =
+      add("status", "how each service is, twice a second", watch_status);
+  status->add_option("--until-ready", status_options->until_ready,
+                     "end when so many services are ready [0: never]");
+}
+
+static void declare_stat(CLI::App& app, Command& command) {
+  CLI::App* sub = nullptr;
+  auto& options = add_command<StatOptions>(
+      app, sub, "stat", "what the model holds: tiles, cells by state, bytes", command, run_stat);
+  add_url(*sub, options.url);
+  sub->add_option("--hashes", options.hashes,
+                  "write key, version and SHA-256 of every tile to this file");
+  sub->add_flag("--json", options.json, "print as JSON");
+}
+
+static void declare_simulate(CLI::App& app, Command& command) {
+  CLI::App* sub = nullptr;
+  auto& options = add_command<SimulateOptions>(
+      app, sub, "simulate", "write the simulated drive as files that publish reads", command,
+      run_simulate);
+  sub->add_option("scans", options.scans, "how many")->required()->check(CLI::PositiveNumber);
+  sub->add_option("--out", options.out, "folder to be made")->required();
+  sub->add_option("--seed", options.seed, "of the city and the drive")->capture_default_str();
+}
+
+}  // namespace voxatlas

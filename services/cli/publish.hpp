@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "base/result.hpp"
+#include "cli/scan_input.hpp"
+
+namespace voxatlas {
+
+struct PublishOptions {
+  std::string url;
+  KittiInput kitti;          ///< A folder, or
+  std::size_t simulate = 0;  ///< so many scans of the simulated drive.
+  std::uint64_t seed = 1;
+  std::string source;                   ///< Empty: the input's name.
+  std::optional<std::int64_t> session;  ///< Unset: the input's identity, so that it resumes.
+  std::optional<double> sigma, min_range;
+  std::int32_t ingests = 1;
+  bool json = false;
+};
+
+/// Publishes every scan reliably and returns when each is durable. Run again after it was
+/// interrupted, or killed, it goes on with the first scan that is not; run again after its end, it
+/// does nothing. Errors: the input's, at its end if the rest was whole; kUnavailable where nobody
+/// takes the scans.
+Status run_publish(const PublishOptions& options);
+
+}  // namespace voxatlas

@@ -1,0 +1,78 @@
+#include "cli/scan_input.hpp"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+#include "base/bytes.hpp"
+#include "base/sha256.hpp"
+#include "cli/place_text.hpp"
+#include "io/kitti.hpp"
+#include "sim/drive.hpp"
+
+namespace voxatlas {
+
+namespace {
+
+/// Not negative, and the same for the same text.
+std::int64_t identity_of(const std::string& text) {
+  const Sha256Digest digest = sha256(as_bytes(text));
+  return ByteReader(digest).get<std::int64_t>() & INT64_MAX;
+}
+
+}  // namespace
+
+Result<ScanInput> open_kitti(const KittiInput& input) {
+  KittiOptions options;
+  options.poses = input.poses;
+  if (!input.origin.empty()) {
+    auto origin = parse_place("--origin", input.origin);
+    if (!origin) return pass_on(origin);
+    options.origin = *origin;
+  }
+  auto opened = KittiFolder::open(input.folder, options);
+  if (!opened) return pass_on(opened);
+  auto folder = std::make_shared<KittiFolder>(std::move(*opened));  // Owned by both closures below.
+
+  ScanInput result;
+  std::error_code none;
+  const auto path = std::filesystem::weakly_canonical(input.folder, none);
+  result.name = path.filename().empty() ? path.parent_path().filename() : path.filename();
+  result.identity = identity_of(path.string() + '\n' + input.poses + '\n' + input.origin);
+  result.scans = folder->scan_count();
+  result.min_range = 2.5;  // Nearer returns of a scanner on a car's roof are the car.
+  result.ending = folder->ending();
+  result.read = [folder](std::size_t index) -> Result<InputScan> {
+    auto scan = folder->read(index);
+    if (!scan) return pass_on(scan);
+    return InputScan{std::move(scan->scan), std::move(scan->damage)};
+  };
+  return result;
+}
+
+Result<ScanInput> open_simulated(std::size_t scans, std::uint64_t seed) {
+  CityOptions city_options;
+  city_options.seed = seed;
+  auto made = City::create(city_options);
+  if (!made) return pass_on(made);
+  auto city = std::make_shared<City>(std::move(*made));  // Owned by the closure, with its drive.
+  DriveOptions drive_options;
+  drive_options.scans = scans;
+  drive_options.seed = seed;
+  auto drive = Drive::create(*city, drive_options);
+  if (!drive) return pass_on(drive);
+
+  ScanInput result;
+  result.name = "simulated";
+  result.identity = identity_of(fmt::format("simulated drive, seed {}", seed));
+  result.scans = scans;
+  result.sigma = drive_options.sigma;
+  result.read = [city, drive = std::move(*drive)](std::size_t index) -> Result<InputScan> {
+    return InputScan{drive.simulate(index), std::nullopt};
+  };
+  return result;
+}
+
+}  // namespace voxatlas

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "base/result.hpp"
+#include "integrate/sensor_scan.hpp"
+
+namespace voxatlas {
+
+/// A scan, whole or what is whole of it.
+struct InputScan {
+  SensorScan scan;
+  std::optional<Error> damage;  ///< To be told at the end; the scan counts with what it has.
+};
+
+/// Where `publish` takes scans from: a folder, or the simulated drive.
+struct ScanInput {
+  std::string name;  ///< For the source, where none is given.
+  std::int64_t identity =
+      0;  ///< 63 bits that stay the same for the same input: the default session.
+  std::size_t scans = 0;
+  double sigma = 0.02;   ///< Where none is given, metres.
+  double min_range = 0;  ///< Where none is given, metres.
+  std::function<Result<InputScan>(std::size_t)> read;
+  std::optional<Error> ending;  ///< Why the input stops early, to be told after all that is whole.
+};
+
+struct KittiInput {
+  std::string folder;
+  std::string poses;
+  std::string
+      origin;  ///< "LAT,LON,HEIGHT" (degrees, metres), or empty: poses are ecef_from_sensor.
+};
+
+/// Errors: what cannot be read at all; what is damaged at its end gives the whole scans and
+/// `ending`.
+Result<ScanInput> open_kitti(const KittiInput& input);
+
+/// `scans` scans of the procedural city, made from `seed`.
+Result<ScanInput> open_simulated(std::size_t scans, std::uint64_t seed);
+
+}  // namespace voxatlas

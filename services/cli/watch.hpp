@@ -1,0 +1,26 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "base/result.hpp"
+
+namespace voxatlas {
+
+struct WatchOptions {
+  std::string url;
+  std::int64_t count = 0;        ///< Ends after so many messages; 0: never.
+  std::string out;               ///< Frames: folder for their pictures; empty: none are kept.
+  std::int64_t until_ready = 0;  ///< Status: ends when so many services are ready; 0: never.
+  double timeout = 0;            ///< Seconds, then it is an error; 0: none.
+  bool json = false;             ///< One JSON object a line.
+};
+
+/// Print what is published, a line each, until a signal, `count` or `timeout`.
+/// Errors: kUnavailable where the time was over first; kIo for files.
+Status watch_frames(const WatchOptions& options);
+Status watch_tiles(const WatchOptions& options);
+/// A table that is drawn anew on a terminal; lines elsewhere.
+Status watch_status(const WatchOptions& options);
+
+}  // namespace voxatlas
