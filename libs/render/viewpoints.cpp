@@ -106,8 +106,8 @@ Result<Camera> oblique_view(const Grid& grid, std::span<const TileWeight> tiles,
   auto extent = ModelExtent::of(grid, tiles);
   if (!extent) return pass_on(extent);
   constexpr double kFov = 42, kDown = 34, kAside = 25;  // Degrees.
-  // The picture's width shows 1.2 deviations to each side of the middle, and at least 30 m.
-  const double half_width = std::max(30.0, 1.2 * extent->along);
+  // The picture's width shows 1.4 deviations to each side of the middle, and at least 30 m.
+  const double half_width = std::max(30.0, 1.4 * extent->along);
   const double ratio = static_cast<double>(size.width) / std::max(1, size.height);
   const double away = std::min(1500.0, half_width / (std::tan(radians(kFov / 2)) * ratio));
   const double angle =

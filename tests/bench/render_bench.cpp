@@ -1,15 +1,17 @@
 // How long pictures take, depth by depth, and the pictures themselves.
 //
-//   bench_render --data DIR --poses FILE [--scans N] [--out DIR]
+//   bench_render [--data DIR --poses FILE] [--scans N] [--out DIR]
 //
-// Integrates scans in KITTI form and draws the street view and the oblique view at depths 0..7:
-// the median of several pictures a line, as "name value unit". With --out also PNGs to look at.
+// Integrates scans, in KITTI form or of the simulated drive, and draws the street view and the
+// oblique view at depths 0..7: the median of several pictures a line, as "name value unit". With
+// --out also PNGs to look at.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <map>
 
 #include "base/utime.hpp"
@@ -19,13 +21,14 @@
 #include "render/frustum.hpp"
 #include "render/picture.hpp"
 #include "render/viewpoints.hpp"
+#include "sim/drive.hpp"
 
 namespace voxatlas {
 namespace {
 
 struct Options {
-  std::string data, poses = "poses.txt", out, colouring = "height";
-  std::size_t scans = 1000;
+  std::string data, poses = "poses.txt", out, colouring = "rgb";
+  std::size_t scans = 200;
   int repeat = 5;
   int width = 1280, height = 720;
 };
@@ -42,16 +45,31 @@ T or_throw(Result<T> result) {
   return std::move(*result);
 }
 
-Model integrate(const Options& options, const Grid& grid) {
+using EachScan = std::function<void(const SensorScan&)>;
+
+void read_scans(const Options& options, const EachScan& each) {
   const auto folder = or_throw(KittiFolder::open(options.data, {options.poses, std::nullopt}));
-  IntegrationParameters parameters;
-  Integrator integrator(grid, parameters);
-  Model model;
   for (std::size_t i = 0; i < std::min(options.scans, folder.scan_count()); ++i) {
-    const auto read = or_throw(folder.read(i));
-    const auto delta = or_throw(integrator.integrate(to_scan(read.scan, 0.02, 2.5)));
-    for (const auto& [key, tile] : delta.tiles) model[key].apply(tile, SensorModel::standard());
+    each(or_throw(folder.read(i)).scan);
   }
+}
+
+void simulate_scans(const Options& options, const EachScan& each) {
+  const City city = or_throw(City::create({}));
+  DriveOptions how;
+  how.scans = options.scans;
+  const Drive drive = or_throw(Drive::create(city, how));
+  for (std::size_t i = 0; i < drive.scan_count(); ++i) each(drive.simulate(i));
+}
+
+Model integrate(const Options& options, const Grid& grid) {
+  Integrator integrator(grid, IntegrationParameters{});
+  Model model;
+  const auto each = [&](const SensorScan& scan) {
+    const auto delta = or_throw(integrator.integrate(to_scan(scan, 0.02, 2.5)));
+    for (const auto& [key, tile] : delta.tiles) model[key].apply(tile, SensorModel::standard());
+  };
+  options.data.empty() ? simulate_scans(options, each) : read_scans(options, each);
   return model;
 }
 
@@ -152,7 +170,7 @@ void run(const Options& options) {
 int main(int argc, char** argv) {
   voxatlas::Options options;
   CLI::App app{"times of pictures, depth by depth"};
-  app.add_option("--data", options.data, "folder of scans in KITTI form")->required();
+  app.add_option("--data", options.data, "folder of scans in KITTI form; else simulated");
   app.add_option("--poses", options.poses, "its pose file");
   app.add_option("--scans", options.scans, "at most so many scans");
   app.add_option("--repeat", options.repeat, "pictures a line")->check(CLI::Range(1, 1000));

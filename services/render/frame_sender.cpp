@@ -1,0 +1,64 @@
+#include "render/frame_sender.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "bus/channels.hpp"
+
+namespace voxatlas {
+
+Status FrameSender::send(const OutgoingFrame& out, std::int64_t now) {
+  if (out.reply_port == 0) return bus_.publish(kFrameChannel, out.frame);
+  auto link = link_to(out.reply_port);
+  if (!link) return pass_on(link);
+  StreamProducer& producer = (*link)->out->producer();
+  if (!producer.has_room()) {
+    return fail(ErrorCode::kUnavailable,
+                fmt::format("client at port {}: its stream is full", out.reply_port));
+  }
+  producer.offer(MessageKind::kFrame, encode_message(out.frame));
+  (*link)->last_offer = now;
+  return (*link)->out->pump(now);
+}
+
+Result<FrameSender::Link*> FrameSender::link_to(std::int32_t reply_port) {
+  if (const auto found = links_.find(reply_port); found != links_.end()) return &found->second;
+  if (links_.size() >= kMaxLinks) {
+    return fail(ErrorCode::kUnavailable,
+                fmt::format("client at port {}: {} others have streams already", reply_port,
+                            links_.size()));
+  }
+  auto endpoint = Endpoint::client_at(reply_port);
+  if (!endpoint) return pass_on(endpoint);
+  auto out = OutLink::create(bus_, *endpoint, StreamConfig{});
+  if (!out) return pass_on(out);
+  return &links_.emplace(reply_port, Link{std::move(*out), 0}).first->second;
+}
+
+/// A stream is kept a little after its last message, as the next one may follow.
+bool FrameSender::done(const Link& link, std::int64_t now) {
+  const StreamProducer& producer = link.out->producer();
+  const std::int64_t heard = std::max(producer.last_heard(), link.last_offer);
+  return now - heard > kForget;
+}
+
+Status FrameSender::pump(std::int64_t now) {
+  std::erase_if(links_, [now](const auto& link) { return done(link.second, now); });
+  for (auto& [port, link] : links_) {
+    if (auto pumped = link.out->pump(now); !pumped) return pumped;
+  }
+  return {};
+}
+
+std::int64_t FrameSender::next_poll(std::int64_t now) const {
+  std::int64_t next = std::numeric_limits<std::int64_t>::max();
+  for (const auto& [port, link] : links_) {
+    next = std::min(next, link.out->producer().next_poll(now));
+  }
+  return next;
+}
+
+}  // namespace voxatlas
