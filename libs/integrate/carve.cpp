@@ -68,9 +68,112 @@ bool before(double t, double other) {
   return kAxis < kOther ? t <= other : t < other;
 }
 
+constexpr double kNever = std::numeric_limits<double>::infinity();
+
+/// Where a ray is, slab by slab along its main axis; u and v are the other two, u the earlier one.
+template <int kMain, class Blocks>
+class SlabWalk {
+ public:
+  SlabWalk(const std::array<CarvedAxis, 3>& axes, const Blocks& blocks)
+      : blocks_(blocks),
+        u_time_(axes[kU].times.data()),
+        v_time_(axes[kV].times.data()),
+        a_(axes[kMain].first_cell),
+        u_(axes[kU].first_cell),
+        v_(axes[kV].first_cell),
+        a_direction_(axes[kMain].direction),
+        u_direction_(axes[kU].direction),
+        v_direction_(axes[kV].direction) {}
+
+  /// Marks a slab's cells, all of them, and goes on to the next; `end` is the t of its far border.
+  void mark_slab(double end) {
+    const int u_steps = before<kU, kMain>(*u_time_, end),
+              v_steps = before<kV, kMain>(*v_time_, end);
+    const int twice =
+        before<kU, kMain>(u_time_[u_steps], end) | before<kV, kMain>(v_time_[v_steps], end);
+    if (twice != 0) {
+      mark_until(end);
+      mark(u_, v_);
+    } else {
+      // Masks, not branches: what a ray does next is not to be guessed.
+      const int u_first = before<kU, kV>(*u_time_, *v_time_);
+      const int u_move = u_direction_ & -u_steps, v_move = v_direction_ & -v_steps;
+      mark({u_, u_ + (u_move & -u_first), u_ + u_move},
+           {v_, v_ + (v_move & (u_first - 1)), v_ + v_move});
+      u_ += u_move, v_ += v_move;
+      u_time_ += u_steps, v_time_ += v_steps;
+    }
+    a_ += a_direction_;
+  }
+
+  /// Marks one cell after the other up to a crossing of the main axis, but not the last one.
+  void mark_until(double end) {
+    for (;;) {
+      const bool u_first = before<kU, kV>(*u_time_, *v_time_);
+      const double next = u_first ? *u_time_ : *v_time_;
+      const bool comes = u_first ? before<kU, kMain>(next, end) : before<kV, kMain>(next, end);
+      if (!comes || next == kNever) return;
+      mark(u_, v_);
+      (u_first ? u_ : v_) += u_first ? u_direction_ : v_direction_;
+      ++(u_first ? u_time_ : v_time_);
+    }
+  }
+
+ private:
+  static constexpr int kU = kMain == 0 ? 1 : 0, kV = kMain == 2 ? 1 : 2;
+
+  void mark(int u, int v) {
+    if (((a_ ^ block_a_) | (u ^ block_u_) | (v ^ block_v_)) >> blocks_.shift != 0) {
+      block_a_ = a_, block_u_ = u, block_v_ = v;
+      VoxelIndex cell;
+      cell[kMain] = a_, cell[kU] = u, cell[kV] = v;
+      words_ = blocks_.words(cell);
+    }
+    blocks_.set(words_, a_, u, v);
+  }
+  void mark(const std::array<int, 3>& u, const std::array<int, 3>& v) {
+    const int apart = (a_ ^ block_a_) | (u[0] ^ block_u_) | (v[0] ^ block_v_) | (u[2] ^ block_u_) |
+                      (v[2] ^ block_v_);
+    if (apart >> blocks_.shift == 0) {
+      blocks_.set(words_, a_, u, v);
+    } else {
+      for (std::size_t i = 0; i < 3; ++i) mark(u[i], v[i]);
+    }
+  }
+
+  const Blocks blocks_;
+  const double* u_time_;  ///< The next border of u; the same for v.
+  const double* v_time_;
+  int a_, u_, v_;
+  const int a_direction_, u_direction_, v_direction_;
+  int block_a_ = -1, block_u_ = 0, block_v_ = 0;  ///< Any cell of the current block; -1: none yet.
+  std::uint64_t* words_ = nullptr;
+};
+
+template <template <int> class Blocks, int kMain>
+void carve_slabs(const std::array<CarvedAxis, 3>& axes, Marks& misses) {
+  SlabWalk<kMain, Blocks<kMain>> walk(axes, Blocks<kMain>(misses));
+  const double* times = axes[kMain].times.data();
+  for (std::uint32_t i = 0; i < axes[kMain].crossings; ++i) walk.mark_slab(times[i]);
+  walk.mark_until(kNever);
+}
+
+template <template <int> class Blocks>
+void carve_into(const std::array<CarvedAxis, 3>& axes, Marks& misses) {
+  const auto x = axes[0].crossings, y = axes[1].crossings, z = axes[2].crossings;
+  if (x + y + z == 0) return;
+  if (x >= y && x >= z) {
+    carve_slabs<Blocks, 0>(axes, misses);
+  } else if (y >= z) {
+    carve_slabs<Blocks, 1>(axes, misses);
+  } else {
+    carve_slabs<Blocks, 2>(axes, misses);
+  }
+}
+
 }  // namespace
 
-void Carver::Axis::aim(double origin, double end, int shift) {
+void CarvedAxis::aim(double origin, double end, int shift) {
   // Not negative, so cutting the fraction off is the floor.
   first_cell = static_cast<int>(origin) >> shift;
   const int last_cell = static_cast<int>(end) >> shift;
@@ -85,82 +188,7 @@ void Carver::Axis::aim(double origin, double end, int shift) {
     const int border = (first_border + direction * i) << shift;
     out[i] = (border - origin) * inverse;
   }
-  out[crossings] = out[crossings + 1] = std::numeric_limits<double>::infinity();
-}
-
-template <int kMain, class Blocks>
-void Carver::carve_slabs(const Blocks& blocks) {
-  constexpr int kU = kMain == 0 ? 1 : 0, kV = kMain == 2 ? 1 : 2;
-  const double* slab_times = axes_[kMain].times.data();
-  const double* u_time = axes_[kU].times.data();
-  const double* v_time = axes_[kV].times.data();
-  const int u_direction = axes_[kU].direction, v_direction = axes_[kV].direction;
-  int a = axes_[kMain].first_cell, u = axes_[kU].first_cell, v = axes_[kV].first_cell;
-  int block_a = -1, block_u = 0, block_v = 0;  // Any cell of the current block.
-  std::uint64_t* words = nullptr;
-
-  const auto mark = [&](int at_u, int at_v) {
-    if (((a ^ block_a) | (at_u ^ block_u) | (at_v ^ block_v)) >> blocks.shift != 0) {
-      block_a = a, block_u = at_u, block_v = at_v;
-      VoxelIndex cell;
-      cell[kMain] = a, cell[kU] = at_u, cell[kV] = at_v;
-      words = blocks.words(cell);
-    }
-    blocks.set(words, a, at_u, at_v);
-  };
-  // One cell after the other up to a crossing of the main axis; the last one is not marked.
-  const auto mark_until = [&](double end) {
-    for (;;) {
-      const bool u_first = before<kU, kV>(*u_time, *v_time);
-      const bool any = u_first ? before<kU, kMain>(*u_time, end) : before<kV, kMain>(*v_time, end);
-      if (!any || (u_first ? *u_time : *v_time) == std::numeric_limits<double>::infinity()) return;
-      mark(u, v);
-      (u_first ? u : v) += u_first ? u_direction : v_direction;
-      ++(u_first ? u_time : v_time);
-    }
-  };
-
-  for (std::uint32_t slab = 0; slab < axes_[kMain].crossings; ++slab) {
-    const double end = slab_times[slab];
-    const int u_steps = before<kU, kMain>(*u_time, end), v_steps = before<kV, kMain>(*v_time, end);
-    const int twice =
-        before<kU, kMain>(u_time[u_steps], end) | before<kV, kMain>(v_time[v_steps], end);
-    const int u_first = before<kU, kV>(*u_time, *v_time);
-    const int u_move = u_direction & -u_steps, v_move = v_direction & -v_steps;
-    const int u_mid = u + (u_move & -u_first), v_mid = v + (v_move & (u_first - 1));
-    const int u_next = u + u_move, v_next = v + v_move;
-    const int apart =
-        (a ^ block_a) | (u ^ block_u) | (v ^ block_v) | (u_next ^ block_u) | (v_next ^ block_v);
-    if (((apart >> blocks.shift) | twice) == 0) {
-      blocks.set(words, a, {u, u_mid, u_next}, {v, v_mid, v_next});
-    } else if (twice == 0) {
-      mark(u, v);
-      mark(u_mid, v_mid);
-      mark(u_next, v_next);
-    } else {
-      mark_until(end);
-      mark(u, v);
-      a += axes_[kMain].direction;
-      continue;
-    }
-    u = u_next, v = v_next;
-    u_time += u_steps, v_time += v_steps;
-    a += axes_[kMain].direction;
-  }
-  mark_until(std::numeric_limits<double>::infinity());
-}
-
-template <template <int> class Blocks>
-void Carver::carve_into(Marks& misses) {
-  const auto x = axes_[0].crossings, y = axes_[1].crossings, z = axes_[2].crossings;
-  if (x + y + z == 0) return;
-  if (x >= y && x >= z) {
-    carve_slabs<0>(Blocks<0>(misses));
-  } else if (y >= z) {
-    carve_slabs<1>(Blocks<1>(misses));
-  } else {
-    carve_slabs<2>(Blocks<2>(misses));
-  }
+  out[crossings] = out[crossings + 1] = kNever;
 }
 
 void Carver::carve(const Eigen::Vector3d& origin_voxels, const Eigen::Vector3d& end_voxels,
@@ -171,9 +199,9 @@ void Carver::carve(const Eigen::Vector3d& origin_voxels, const Eigen::Vector3d& 
                                               kDepth - misses.depth());
   }
   if (misses.has_bricks()) {
-    carve_into<BrickBlocks>(misses);
+    carve_into<BrickBlocks>(axes_, misses);
   } else {
-    carve_into<TileBlocks>(misses);
+    carve_into<TileBlocks>(axes_, misses);
   }
 }
 

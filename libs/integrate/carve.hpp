@@ -9,6 +9,17 @@
 
 namespace voxatlas {
 
+/// The borders of one axis that a ray crosses. times[i] is the t of the i-th; after the last come
+/// two infinities.
+struct CarvedAxis {
+  int first_cell = 0;
+  int direction = 1;
+  std::uint32_t crossings = 0;
+  std::vector<double> times;
+
+  void aim(double origin, double end, int shift);
+};
+
 /// Marks every cell that a ray passes, from its origin's to the one before its end's.
 ///
 /// Source: the paper's section 4.1. The cells are those of grid/walk.hpp's Walk, one for one, with
@@ -28,23 +39,7 @@ class Carver {
              Marks& misses);
 
  private:
-  /// The borders of one axis between two cells. times[i] is the t of the i-th; after the last come
-  /// two infinities.
-  struct Axis {
-    int first_cell = 0;
-    int direction = 1;
-    std::uint32_t crossings = 0;
-    std::vector<double> times;
-
-    void aim(double origin, double end, int shift);
-  };
-
-  template <template <int> class Blocks>
-  void carve_into(Marks& misses);
-  template <int kMain, class Blocks>
-  void carve_slabs(const Blocks& blocks);
-
-  std::array<Axis, 3> axes_;
+  std::array<CarvedAxis, 3> axes_;
   VoxelCarver voxels_;
 };
 

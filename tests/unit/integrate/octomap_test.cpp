@@ -110,6 +110,29 @@ struct Comparison {
   std::vector<VoxelIndex> different;
 };
 
+/// Adds the voxels of ours that OctoMap does not know.
+void add_unknown(const octomap::OcTree& tree, const Tiles& tiles, const VoxelIndex& corner,
+                 std::vector<VoxelIndex>& out) {
+  const auto visit = [&](const VoxelIndex& voxel) {
+    const VoxelIndex local = (voxel - corner).array() + kOctomapOrigin;
+    const octomap::OcTreeKey at(static_cast<octomap::key_type>(local.x()),
+                                static_cast<octomap::key_type>(local.y()),
+                                static_cast<octomap::key_type>(local.z()));
+    if (tree.search(at) == nullptr) out.push_back(voxel);
+  };
+  for (const auto& tile : tiles) {
+    tile.second.for_each_leaf([&](const Leaf& leaf) {
+      const auto low = leaf.cell.min_voxel();
+      const auto edge = leaf.cell.edge_voxels();
+      for (std::uint32_t i = 0; i < edge * edge * edge; ++i) {
+        visit(Grid::min_voxel(tile.first) + VoxelIndex(static_cast<int>(low[0] + i % edge),
+                                                       static_cast<int>(low[1] + i / edge % edge),
+                                                       static_cast<int>(low[2] + i / edge / edge)));
+      }
+    });
+  }
+}
+
 Comparison compare(const octomap::OcTree& tree, const Tiles& tiles, const VoxelIndex& corner,
                    const Grid& grid) {
   Comparison comparison;
@@ -133,25 +156,12 @@ Comparison compare(const octomap::OcTree& tree, const Tiles& tiles, const VoxelI
     const auto counts = tile.counts();
     known += counts.occupied_voxels + counts.free_voxels;
   }
-  // Ours that OctoMap does not know: their number; where they are is found only if there are any.
-  if (known == both) return comparison;
+  std::uint64_t known = 0;
   for (const auto& [key, tile] : tiles) {
-    tile.for_each_leaf([&](const Leaf& leaf) {
-      const auto low = leaf.cell.min_voxel();
-      const auto edge = leaf.cell.edge_voxels();
-      for (std::uint32_t i = 0; i < edge * edge * edge; ++i) {
-        const VoxelIndex voxel =
-            Grid::min_voxel(key) + VoxelIndex(static_cast<int>(low[0] + i % edge),
-                                              static_cast<int>(low[1] + i / edge % edge),
-                                              static_cast<int>(low[2] + i / edge / edge));
-        const VoxelIndex local = voxel - corner;
-        const octomap::OcTreeKey at(static_cast<octomap::key_type>(local.x() + kOctomapOrigin),
-                                    static_cast<octomap::key_type>(local.y() + kOctomapOrigin),
-                                    static_cast<octomap::key_type>(local.z() + kOctomapOrigin));
-        if (tree.search(at) == nullptr) comparison.different.push_back(voxel);
-      }
-    });
+    const auto counts = tile.counts();
+    known += counts.occupied_voxels + counts.free_voxels;
   }
+  if (known != both) add_unknown(tree, tiles, corner, comparison.different);
   return comparison;
 }
 
