@@ -44,7 +44,6 @@ Result<std::unique_ptr<Atlas>> Atlas::open(TileStore& store, ShardId shard,
   }
   if (auto ok = state->recover(); !ok) return pass_on(ok);
   state->counts.replayed_records = state->journal.records();
-  state->unreported.clear();  // Whoever subscribed before this opening asks for snapshots anyway.
   state->reported = state->journal.last();
   return std::unique_ptr<Atlas>(new Atlas(std::move(state)));
 }

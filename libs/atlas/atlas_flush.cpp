@@ -35,10 +35,10 @@ Status Atlas::State::write_oldest(std::size_t max_tiles) {
   return {};
 }
 
-/// Forgets the records behind the oldest unflushed change.
+/// Forgets the records behind the oldest unflushed change, and none whose changes nobody was told.
 Status Atlas::State::trim() {
   const auto oldest = cache.oldest_change();
-  const JournalPosition position = oldest ? *oldest - 1 : journal.last();
+  const auto position = std::min(oldest ? *oldest - 1 : journal.last(), reported);
   if (!journal.holds(position)) return {};
   if (auto ok = store.trim(shard, epoch, position, mark_list()); !ok) return ok;
   journal.trim(position);
@@ -55,8 +55,10 @@ Status Atlas::State::keep_budget(std::optional<TileKey> keep) {
 
 Status Atlas::State::keep_journal() {
   while (journal.bytes() > options.journal_max_bytes) {
+    const bool clean = cache.dirty_tiles() == 0;
     if (auto ok = write_oldest(kTilesAPut); !ok) return ok;
     if (auto ok = trim(); !ok) return ok;
+    if (clean) break;  // What is left waits to be reported by this commit.
   }
   return {};
 }

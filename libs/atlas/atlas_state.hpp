@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <map>
 #include <optional>
 #include <string>
@@ -51,8 +52,9 @@ struct Atlas::State {
   /// counts for nothing until recover() has read the store again.
   bool stale = false;
   /// The last record whose changes a commit has returned; those after it that a recovery finds
-  /// wait in `unreported` for the next commit.
-  JournalPosition reported = 0;
+  /// wait in `unreported` for the next commit. While opening, all count as reported: whoever
+  /// subscribed before asks for snapshots anyway.
+  JournalPosition reported = std::numeric_limits<JournalPosition>::max();
   std::vector<TileChange> unreported;
 
   RestedTiles rested;

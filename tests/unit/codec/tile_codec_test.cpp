@@ -96,8 +96,8 @@ TileTree golden_tree() {
   const auto model = SensorModel::standard();
   TileTree tree;
   tree.set(CellKey{1, 3}, {-3000, {}});
-  for (std::uint32_t code = 0; code < 4096; code += 3) tree.miss(CellKey{4, code}, model);
-  for (std::uint32_t code = 1000; code < 60'000; code += 7) {
+  for (std::uint32_t code = 0; code < 4096; code += 37) tree.miss(CellKey{4, code}, model);
+  for (std::uint32_t code = 1000; code < 60'000; code += 71) {
     const auto shade = static_cast<std::uint8_t>(code);
     tree.hit(CellKey{kDepth, code}, model);
     if (code % 2 == 0) tree.hit(CellKey{kDepth, code}, model, Rgb{shade, 90, 17});
