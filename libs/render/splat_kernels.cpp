@@ -1,0 +1,286 @@
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "render/splat_kernels.cpp"
+#include "hwy/foreach_target.h"
+// Highway includes this file once for each set of instructions; so first itself, then the others.
+#include <algorithm>
+#include <array>
+#include <bit>
+
+#include "hwy/highway.h"
+#include "render/splat_kernels.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace voxatlas::HWY_NAMESPACE {
+namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+/// Eight floats: the children of a node, the pixels of a block's row. They are one register, or two
+/// or eight where registers are shorter.
+using Floats = hn::CappedTag<float, 8>;
+using Ints = hn::RebindToSigned<Floats>;
+using Words = hn::RebindToUnsigned<Floats>;
+using Float = hn::Vec<Floats>;
+constexpr Floats kFloats;
+constexpr Ints kInts;
+constexpr Words kWords;
+
+Float all(float x) { return hn::Set(kFloats, x); }
+
+/// A set of lanes as bits, lane 0 lowest.
+std::uint32_t bits_of(hn::Mask<Floats> mask) {
+  std::array<std::uint8_t, 8> bytes{};
+  hn::StoreMaskBits(kFloats, mask, bytes.data());
+  return bytes[0];
+}
+
+hn::Mask<Floats> mask_of(std::uint32_t bits) {
+  const std::array<std::uint8_t, 8> bytes{static_cast<std::uint8_t>(bits)};
+  return hn::LoadMaskBits(kFloats, bytes.data());
+}
+
+using Corner = std::array<std::int32_t, 3>;
+
+/// Where the children of a node fall: pixels of the strip.
+struct ChildRects {
+  alignas(64) std::array<std::int32_t, 8> xa, ya, xb, yb;
+  std::uint32_t visible = 0;  ///< Octants with any pixel and in range.
+};
+
+/// From one end of a child's silhouette to the other, and whether pixel middles lie between.
+struct Span {
+  Float first, last;
+};
+
+class StripPainter {
+ public:
+  StripPainter(const SplatFrame& frame, SplatStrip& strip) : frame_(frame), strip_(strip) {}
+
+  void invert_rays();
+  void paint(const SplatTile& tile);
+
+ private:
+  void visit(int depth, std::uint32_t children, const Corner& corner);
+  ChildRects project(int depth, const Corner& corner) const;
+  Span span(std::size_t row, const SplatFrame::Level& level, Float middle, Float per_z) const;
+  void draw_cube(const Corner& corner, int edge, const PixelRect& rect, std::uint32_t number);
+  std::uint64_t draw_rows(std::size_t block, std::uint64_t pixels, std::uint32_t number);
+  std::uint64_t draw_pixels(std::size_t block, std::uint64_t pixels, std::uint32_t number);
+
+  const SplatFrame& frame_;
+  SplatStrip& strip_;
+  const SplatTile* tile_ = nullptr;
+  std::array<float, 3> low_{}, high_{};  // The faces of the cube being drawn.
+};
+
+/// A ray is taken from the middle of its block, in double, and a few small steps: so that one that
+/// is all but parallel to a face keeps its digits.
+void StripPainter::invert_rays() {
+  const Coverage& coverage = strip_.coverage;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto dx = static_cast<float>(frame_.ray_dx[axis]);
+    const auto dy = static_cast<float>(frame_.ray_dy[axis]);
+    alignas(64) std::array<float, 8> steps{};
+    for (int i = 0; i < 8; ++i)
+      steps[static_cast<std::size_t>(i)] = (static_cast<float>(i) - 3.5f) * dx;
+    for (int by = 0; by < coverage.blocks_y(); ++by) {
+      for (int bx = 0; bx < coverage.blocks_x(); ++bx) {
+        const auto middle =
+            static_cast<float>(frame_.ray[axis] + (strip_.x0 + bx * 8 + 4) * frame_.ray_dx[axis] +
+                               (by * 8 + 4) * frame_.ray_dy[axis]);
+        float* out = strip_.inverse[axis].data() + coverage.block_index(bx, by) * 64;
+        for (int row = 0; row < 8; ++row, out += 8) {
+          const Float left = all(middle + (static_cast<float>(row) - 3.5f) * dy);
+          for (std::size_t i = 0; i < 8; i += hn::Lanes(kFloats)) {
+            const Float ray = hn::Add(left, hn::Load(kFloats, steps.data() + i));
+            // Along a face: still finite, so that 0 times it is 0.
+            const Float least = hn::CopySign(all(1e-30f), ray);
+            const auto tiny = hn::Lt(hn::Abs(ray), all(1e-30f));
+            hn::StoreU(hn::Div(all(1.0f), hn::IfThenElse(tiny, least, ray)), kFloats, out + i);
+          }
+        }
+      }
+    }
+  }
+}
+
+void StripPainter::paint(const SplatTile& tile) {
+  tile_ = &tile;
+  visit(0, 1, tile.corner);  // As the only child of a node twice as large.
+}
+
+/// A corner at offset o from a middle m falls |o.x - u o.z| / (m.z + o.z) from u = m.x / m.z at
+/// most: with all |o| half an edge, this is the sum over the axes.
+Span StripPainter::span(std::size_t row, const SplatFrame::Level& level, Float middle,
+                        Float per_z) const {
+  const auto& p = frame_.project[row];
+  const auto& z = frame_.project[2];
+  Float reach = hn::Abs(hn::Sub(all(p[0]), hn::Mul(middle, all(z[0]))));
+  reach = hn::Add(reach, hn::Abs(hn::Sub(all(p[1]), hn::Mul(middle, all(z[1])))));
+  reach = hn::Add(reach, hn::Abs(hn::Sub(all(p[2]), hn::Mul(middle, all(z[2])))));
+  const Float pixels =
+      hn::Add(hn::Mul(hn::Mul(reach, all(level.half * 1.01f)), per_z), all(frame_.slack_pixels));
+  const Float at = hn::Sub(middle, all(0.5f));
+  return {hn::Ceil(hn::Sub(at, pixels)), hn::Floor(hn::Add(at, pixels))};
+}
+
+ChildRects StripPainter::project(int depth, const Corner& corner) const {
+  const auto& level = frame_.levels[static_cast<std::size_t>(depth)];
+  std::array<float, 3> base;
+  for (std::size_t row = 0; row < 3; ++row) {
+    const auto& p = frame_.project[row];
+    base[row] = p[0] * static_cast<float>(corner[0]) + p[1] * static_cast<float>(corner[1]) +
+                p[2] * static_cast<float>(corner[2]);
+  }
+  const Float left = all(0), right = all(static_cast<float>(strip_.width - 1));
+  const Float bottom = all(static_cast<float>(frame_.height - 1));
+  const Float x0 = all(static_cast<float>(strip_.x0));
+  ChildRects rects;
+  for (std::size_t i = 0; i < 8; i += hn::Lanes(kFloats)) {
+    const Float z = hn::Add(all(base[2]), hn::Load(kFloats, level.z.data() + i));
+    const Float nearest = hn::Sub(z, all(level.reach_z));
+    const Float farthest = hn::Add(z, all(level.reach_z));
+    const auto in_range = hn::And(hn::Ge(farthest, all(frame_.near_z - frame_.slack_z)),
+                                  hn::Le(nearest, all(frame_.far_z + frame_.slack_z)));
+    const auto ahead = hn::Gt(nearest, hn::Max(all(0.25f), hn::Mul(z, all(frame_.steepest))));
+    const Float per_z = hn::Div(all(1), z), per_nearest = hn::Div(all(1), nearest);
+    const Float x = hn::Add(all(base[0]), hn::Load(kFloats, level.x.data() + i));
+    const Float y = hn::Add(all(base[1]), hn::Load(kFloats, level.y.data() + i));
+    const Span across = span(0, level, hn::Mul(x, per_z), per_nearest);
+    const Span down = span(1, level, hn::Mul(y, per_z), per_nearest);
+    // What is not ahead as a whole may be anywhere.
+    const Float xa = hn::IfThenElse(ahead, hn::Max(hn::Sub(across.first, x0), left), left);
+    const Float xb = hn::IfThenElse(ahead, hn::Min(hn::Sub(across.last, x0), right), right);
+    const Float ya = hn::IfThenElse(ahead, hn::Max(down.first, left), left);
+    const Float yb = hn::IfThenElse(ahead, hn::Min(down.last, bottom), bottom);
+    const auto seen = hn::And(in_range, hn::And(hn::Le(xa, xb), hn::Le(ya, yb)));
+    rects.visible |= bits_of(seen) << i;
+    // Unseen lanes may hold anything: hold them within what an int takes.
+    hn::Store(hn::ConvertTo(kInts, hn::Min(xa, right)), kInts, rects.xa.data() + i);
+    hn::Store(hn::ConvertTo(kInts, hn::Max(xb, left)), kInts, rects.xb.data() + i);
+    hn::Store(hn::ConvertTo(kInts, hn::Min(ya, bottom)), kInts, rects.ya.data() + i);
+    hn::Store(hn::ConvertTo(kInts, hn::Max(yb, left)), kInts, rects.yb.data() + i);
+  }
+  return rects;
+}
+
+/// The children of one node, which have this depth, nearest first: whatever ray leaves the eye, it
+/// enters octants in the order of how many of the three middle planes it has crossed.
+void StripPainter::visit(int depth, std::uint32_t children, const Corner& corner) {
+  const ChildRects rects = project(depth, corner);
+  const std::uint32_t mask = children & 0xff;
+  if ((mask & rects.visible) == 0) return;
+  const int edge = 1 << (kDepth - depth);
+  std::uint32_t nearest = 0;  // The octant on the eye's side of each middle plane.
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    nearest |= (corner[axis] + edge <= 0 ? 1u : 0u) << axis;
+  for (std::uint32_t step = 0; step < 8; ++step) {
+    const std::uint32_t octant = step ^ nearest;
+    if ((mask & rects.visible & 1u << octant) == 0) continue;
+    const PixelRect rect{rects.xa[octant], rects.ya[octant], rects.xb[octant], rects.yb[octant]};
+    if (strip_.cull && strip_.coverage.covers(rect)) continue;
+    const std::uint32_t node =
+        (children >> 8) + static_cast<std::uint32_t>(std::popcount(mask & ((1u << octant) - 1)));
+    const Corner child{corner[0] + (octant & 1 ? edge : 0), corner[1] + (octant & 2 ? edge : 0),
+                       corner[2] + (octant & 4 ? edge : 0)};
+    if (depth < tile_->depth && (tile_->children[node] & 0xff) != 0) {
+      visit(depth + 1, tile_->children[node], child);
+    } else {
+      draw_cube(child, edge, rect, tile_->first_number + node);
+    }
+  }
+}
+
+/// Exactly the pixels whose ray meets the cube. Neighbours share their faces to the bit, so no ray
+/// slips between them.
+void StripPainter::draw_cube(const Corner& corner, int edge, const PixelRect& rect,
+                             std::uint32_t number) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    low_[axis] = static_cast<float>(corner[axis]) - frame_.in_voxel[axis];
+    high_[axis] = static_cast<float>(corner[axis] + edge) - frame_.in_voxel[axis];
+  }
+  Coverage& coverage = strip_.coverage;
+  for (int by = rect.ya >> 3; by <= rect.yb >> 3; ++by) {
+    for (int bx = rect.xa >> 3; bx <= rect.xb >> 3; ++bx) {
+      const std::size_t block = coverage.block_index(bx, by);
+      const std::uint64_t open = Coverage::within(rect, bx, by) & ~coverage.drawn(block);
+      if (open == 0) continue;
+      constexpr int kFew = 3;
+      const std::uint64_t met = std::popcount(open) <= kFew ? draw_pixels(block, open, number)
+                                                            : draw_rows(block, open, number);
+      if (met != 0) coverage.draw(bx, by, met);
+    }
+  }
+}
+
+std::uint64_t StripPainter::draw_rows(std::size_t block, std::uint64_t pixels,
+                                      std::uint32_t number) {
+  std::uint64_t met = 0;
+  const std::size_t lanes = hn::Lanes(kFloats);
+  for (int row = std::countr_zero(pixels) / 8; row * 8 < 64 - std::countl_zero(pixels); ++row) {
+    for (std::size_t i = 0; i < 8; i += lanes) {
+      const std::size_t shift = static_cast<std::size_t>(row) * 8 + i;
+      const auto open = static_cast<std::uint32_t>(pixels >> shift & 0xff) & ((1u << lanes) - 1);
+      if (open == 0) continue;
+      const std::size_t at = block * 64 + shift;
+      Float in = all(frame_.near_z), out = all(frame_.far_z);
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const Float inverse = hn::LoadU(kFloats, strip_.inverse[axis].data() + at);
+        const Float a = hn::Mul(all(low_[axis]), inverse), b = hn::Mul(all(high_[axis]), inverse);
+        in = hn::Max(in, hn::Min(a, b));
+        out = hn::Min(out, hn::Max(a, b));
+      }
+      const auto hit = hn::And(hn::Le(in, out), mask_of(open));
+      const std::uint32_t hits = bits_of(hit);
+      if (hits == 0) continue;
+      met |= std::uint64_t{hits} << shift;
+      hn::BlendedStore(hn::Mul(in, all(frame_.voxel_metres)), hit, kFloats, strip_.z.data() + at);
+      hn::BlendedStore(hn::Set(kWords, number), hn::RebindMask(kWords, hit), kWords,
+                       strip_.cell.data() + at);
+    }
+  }
+  return met;
+}
+
+/// The same, one by one: cheaper where there are few.
+std::uint64_t StripPainter::draw_pixels(std::size_t block, std::uint64_t pixels,
+                                        std::uint32_t number) {
+  std::uint64_t met = 0;
+  for (; pixels != 0; pixels &= pixels - 1) {
+    const std::size_t at = block * 64 + static_cast<std::size_t>(std::countr_zero(pixels));
+    float in = frame_.near_z, out = frame_.far_z;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const float inverse = strip_.inverse[axis][at];
+      const float a = low_[axis] * inverse, b = high_[axis] * inverse;
+      in = std::max(in, std::min(a, b));
+      out = std::min(out, std::max(a, b));
+    }
+    if (!(in <= out)) continue;
+    met |= pixels & -pixels;
+    strip_.z[at] = in * frame_.voxel_metres;
+    strip_.cell[at] = number;
+  }
+  return met;
+}
+
+void splat_strip(const SplatFrame& frame, std::span<const SplatTile> tiles, SplatStrip& strip) {
+  StripPainter painter(frame, strip);
+  painter.invert_rays();
+  for (const SplatTile& tile : tiles) painter.paint(tile);
+}
+
+}  // namespace
+}  // namespace voxatlas::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace voxatlas {
+
+HWY_EXPORT(splat_strip);
+
+void splat(const SplatFrame& frame, std::span<const SplatTile> tiles, SplatStrip& strip) {
+  HWY_DYNAMIC_DISPATCH(splat_strip)(frame, tiles, strip);
+}
+
+}  // namespace voxatlas
+#endif

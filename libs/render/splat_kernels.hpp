@@ -1,0 +1,69 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "grid/cell_key.hpp"
+#include "render/camera.hpp"
+#include "render/coverage.hpp"
+
+namespace voxatlas {
+
+/// What the inner loops of the Splatter need to know of a camera. They count in voxels along the
+/// grid's axes from the eye's own voxel, which no place on Earth makes large: a face of a cell is a
+/// whole number, less the eye's place within its voxel, and so exact to 2^-24 of a voxel next to
+/// the eye, where it matters.
+struct SplatFrame {
+  SplatFrame(const Camera& camera, const Grid& grid);
+
+  /// The children of a node of depth - 1: their middles from its lower corner, in homogeneous
+  /// pixels: pixel x is x / z.
+  struct Level {
+    alignas(32) std::array<float, 8> x, y, z;
+    float half;     ///< Of a cell's edge.
+    float reach_z;  ///< From a cell's middle to its nearest corner along the camera's axis.
+  };
+
+  int width, height;
+  VoxelIndex eye;                               ///< The eye's voxel,
+  std::array<float, 3> in_voxel;                ///< and where in it, 0..1.
+  std::array<std::array<float, 3>, 3> project;  ///< Rows x, y, z: homogeneous pixels of a voxel.
+  std::array<Level, kDepth + 1> levels;
+  std::array<double, 3> ray, ray_dx, ray_dy;  ///< Of pixel place (x, y): ray + x ray_dx + y ray_dy.
+  float near_z, far_z;                        ///< Voxels along the camera's axis.
+  float slack_pixels, slack_z;  ///< What rounding may do to a projection; see the .cpp.
+  float steepest;               ///< A cell is projected where z - reach_z is above z * steepest.
+  float voxel_metres;
+};
+
+/// A tile to draw.
+struct SplatTile {
+  std::array<std::int32_t, 3> corner{};     ///< Lower corner, voxels from the eye's voxel.
+  const std::uint32_t* children = nullptr;  ///< RenderTree::children().
+  std::uint32_t first_number = 0;           ///< Of the root in the CellImage.
+  int depth = kDepth;                       ///< Nodes of this depth are drawn whole.
+};
+
+/// A strip of the picture while it is drawn: columns x0 .. x0 + width - 1.
+///
+/// Layout: block by block as in Coverage, 64 pixels each.
+/// Cost:   28 bytes a pixel, to stay in a core's own cache.
+struct SplatStrip {
+  int x0 = 0, width = 0;
+  bool cull = true;  ///< Pass over what is covered. Off only to measure what that gains.
+  Coverage coverage;
+  std::vector<float> inverse[3];  ///< 1 / the pixel's ray, by axis.
+  std::vector<std::uint32_t> cell;
+  std::vector<float> z;  ///< Metres.
+
+  void reset(const SplatFrame& frame, int first_column, int columns);
+};
+
+/// Draws tiles, nearest first, into a strip. The instructions are chosen at run time (Highway);
+/// every choice gives the same bits: additions and multiplications stay apart, divisions are
+/// rounded as IEEE says.
+void splat(const SplatFrame& frame, std::span<const SplatTile> tiles, SplatStrip& strip);
+
+}  // namespace voxatlas

@@ -1,0 +1,133 @@
+#include "render/splatter.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+#include "render/frustum.hpp"
+
+namespace voxatlas {
+namespace {
+
+constexpr int kStripWidth = 64;  // Pixels, whole blocks: a strip fits in a core's own cache.
+
+struct OrderedTile {
+  int steps;  // Tiles between it and the eye's, along the three axes together.
+  SplatTile tile;
+};
+
+/// The depth at which a tile is drawn, by how large its cells look from the eye.
+int depth_for(const SplatFrame& frame, const Camera& camera, const SplatTile& tile,
+              const SplatOptions& options) {
+  if (!(options.pixel_threshold > 0)) return options.max_depth;
+  const Eigen::Vector3d ahead = camera.rotation().row(2);
+  double z = 0;  // Of the tile's corner nearest along the axis, voxels.
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double slope = ahead[static_cast<Eigen::Index>(axis)];
+    z += slope * (static_cast<double>(tile.corner[axis]) - frame.in_voxel[axis]) +
+         std::min(0.0, slope * kTileVoxels);
+  }
+  z = std::max<double>(z, frame.near_z);
+  const double focal = std::max(camera.lens().fx, camera.lens().fy);
+  int depth = 0;
+  while (depth < options.max_depth &&
+         focal * (1 << (kDepth - depth)) / z > options.pixel_threshold) {
+    ++depth;
+  }
+  return depth;
+}
+
+/// Nearest first: along any ray from the eye, each face that it crosses leads one step away from
+/// the eye's tile.
+std::vector<SplatTile> tiles_to_draw(const Camera& camera, const Grid& grid,
+                                     const SplatFrame& frame, std::span<const PlacedTree> trees,
+                                     const SplatOptions& options) {
+  const TreeNumbers numbers(trees);
+  const Frustum frustum(camera);
+  std::vector<OrderedTile> seen;
+  for (std::size_t i = 0; i < trees.size(); ++i) {
+    const PlacedTree& placed = trees[i];
+    if (placed.tree->empty() || !frustum.may_see(grid.box(placed.key))) continue;
+    const VoxelIndex corner = Grid::min_voxel(placed.key);
+    OrderedTile ordered{0, {}};
+    for (int axis = 0; axis < 3; ++axis) {
+      ordered.steps += std::abs((corner[axis] >> kDepth) - (frame.eye[axis] >> kDepth));
+      ordered.tile.corner[static_cast<std::size_t>(axis)] = corner[axis] - frame.eye[axis];
+    }
+    ordered.tile.children = placed.tree->children().data();
+    ordered.tile.first_number = numbers.first_of(i);
+    ordered.tile.depth = depth_for(frame, camera, ordered.tile, options);
+    seen.push_back(ordered);
+  }
+  std::sort(seen.begin(), seen.end(),
+            [](const OrderedTile& a, const OrderedTile& b) { return a.steps < b.steps; });
+  std::vector<SplatTile> tiles;
+  tiles.reserve(seen.size());
+  for (const auto& ordered : seen) tiles.push_back(ordered.tile);
+  return tiles;
+}
+
+/// A strip's blocks as rows of the picture.
+void copy_out(const SplatStrip& strip, CellImage& image) {
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < strip.width; x += Coverage::kBlock) {
+      const std::size_t from =
+          strip.coverage.block_index(x / 8, y / 8) * 64 + static_cast<std::size_t>(y % 8) * 8;
+      const std::size_t to = image.index(strip.x0 + x, y);
+      const auto count = static_cast<std::size_t>(std::min(8, strip.width - x));
+      std::copy_n(strip.cell.begin() + static_cast<std::ptrdiff_t>(from), count,
+                  image.cell.begin() + static_cast<std::ptrdiff_t>(to));
+      std::copy_n(strip.z.begin() + static_cast<std::ptrdiff_t>(from), count,
+                  image.z.begin() + static_cast<std::ptrdiff_t>(to));
+    }
+  }
+}
+
+Status check(const SplatOptions& options, std::span<const PlacedTree> trees) {
+  if (options.max_depth < 0 || options.max_depth > kDepth) {
+    return fail(ErrorCode::kOutOfRange,
+                fmt::format("splatter: depth {} is not 0..{}", options.max_depth, kDepth));
+  }
+  if (!(options.pixel_threshold >= 0)) {
+    return fail(ErrorCode::kOutOfRange,
+                fmt::format("splatter: a threshold of {} pixels is not 0 or more",
+                            options.pixel_threshold));
+  }
+  const TreeNumbers numbers(trees);
+  if (!numbers.fits()) {
+    return fail(ErrorCode::kOutOfRange,
+                fmt::format("splatter: a picture of {} nodes: more than 32 bits can number",
+                            numbers.count()));
+  }
+  return {};
+}
+
+}  // namespace
+
+Splatter::Splatter(std::size_t threads) : workers_(threads), strips_(workers_.count()) {}
+
+Status Splatter::draw(const Camera& camera, const Grid& grid, std::span<const PlacedTree> trees,
+                      const SplatOptions& options, CellImage& image) {
+  if (auto good = check(options, trees); !good) return good;
+  const SplatFrame frame(camera, grid);
+  const auto tiles = tiles_to_draw(camera, grid, frame, trees, options);
+  image.width = camera.width();
+  image.height = camera.height();
+  const std::size_t count = image.index(0, image.height);
+  image.cell.resize(count);
+  image.z.resize(count);
+  const auto strips = static_cast<std::size_t>((image.width + kStripWidth - 1) / kStripWidth);
+  workers_.run(strips, [&](std::size_t piece, std::size_t worker) {
+    SplatStrip& strip = strips_[worker];
+    const int x0 = static_cast<int>(piece) * kStripWidth;
+    strip.reset(frame, x0, std::min(kStripWidth, image.width - x0));
+    strip.cull = options.cull;
+    splat(frame, tiles, strip);
+    copy_out(strip, image);
+  });
+  return {};
+}
+
+}  // namespace voxatlas
