@@ -1,12 +1,13 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "render/splat_kernels.cpp"
-#include "hwy/foreach_target.h"
+#include <hwy/foreach_target.h>
 // Highway includes this file once for each set of instructions; so first itself, then the others.
+#include <hwy/highway.h>
+
 #include <algorithm>
 #include <array>
 #include <bit>
 
-#include "hwy/highway.h"
 #include "render/splat_kernels.hpp"
 
 HWY_BEFORE_NAMESPACE();
