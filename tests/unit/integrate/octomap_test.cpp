@@ -156,11 +156,6 @@ Comparison compare(const octomap::OcTree& tree, const Tiles& tiles, const VoxelI
     const auto counts = tile.counts();
     known += counts.occupied_voxels + counts.free_voxels;
   }
-  std::uint64_t known = 0;
-  for (const auto& [key, tile] : tiles) {
-    const auto counts = tile.counts();
-    known += counts.occupied_voxels + counts.free_voxels;
-  }
   if (known != both) add_unknown(tree, tiles, corner, comparison.different);
   return comparison;
 }
