@@ -48,12 +48,15 @@ Clouds::Clouds(const Scene& scene, int depth) {
 }
 
 Scene street_scene() {
-  Scene scene;
-  scene.occupy_box({-40, -6, 0}, {40, 6, 0}, Rgb{90, 90, 95});
-  scene.occupy_box({-40, 6, 0}, {40, 6, 5}, Rgb{200, 160, 120});
-  scene.occupy_box({-40, -6, 0}, {40, -6, 5}, Rgb{180, 120, 100});
-  scene.occupy_box({12, 3, 0.2}, {16, 4.6, 1.5}, Rgb{200, 20, 20});
-  return scene;
+  static const Scene kStreet = [] {
+    Scene scene;
+    scene.occupy_box({-40, -6, 0}, {40, 6, 0}, Rgb{90, 90, 95});
+    scene.occupy_box({-40, 6, 0}, {40, 6, 5}, Rgb{200, 160, 120});
+    scene.occupy_box({-40, -6, 0}, {40, -6, 5}, Rgb{180, 120, 100});
+    scene.occupy_box({12, 3, 0.2}, {16, 4.6, 1.5}, Rgb{200, 20, 20});
+    return scene;
+  }();
+  return kStreet;
 }
 
 }  // namespace voxatlas::test
