@@ -42,8 +42,8 @@ Rgb ramp_colour(double t) {
 Rgb height_colour(double part_of_height) { return ramp_colour(std::sqrt(hold(part_of_height))); }
 
 Rgb neutral_colour(double part_of_height) {
-  static constexpr std::array<Rgb, 4> kColours = {
-      {{128, 131, 138}, {176, 172, 164}, {206, 196, 180}, {236, 228, 212}}};
+  static constexpr std::array<Rgb, 5> kColours = {
+      {{112, 119, 132}, {150, 142, 132}, {198, 160, 118}, {214, 198, 164}, {240, 232, 212}}};
   return along(kColours, std::sqrt(hold(part_of_height)));
 }
 

@@ -13,7 +13,7 @@ Rgb ramp_colour(double t);
 /// people are, get most of the ramp (its square root).
 Rgb height_colour(double part_of_height);
 
-/// What has no colour of its own: grey, lighter and warmer with height.
+/// What has no colour of its own: slate on the ground, ochre as high as cars are, cream above.
 Rgb neutral_colour(double part_of_height);
 
 /// For the eight depths of a tile, told apart easily.

@@ -119,8 +119,13 @@ double StreetMap::outlook(const Eigen::Vector3d& eye, const Eigen::Vector2d& dir
     covered[at(static_cast<int>((x + 1) / 2 * kColumns), static_cast<int>(y * kRows), kColumns)] =
         true;
   }
-  return static_cast<double>(std::count(covered.begin(), covered.end(), true)) /
-         static_cast<double>(covered.size());
+  // What stands up makes a street; ground alone does not: rows above the horizon count twice.
+  constexpr int kHorizon = static_cast<int>(-kLow / (kHigh - kLow) * kRows);
+  const auto middle = covered.begin() + kHorizon * kColumns;
+  const auto below = std::count(covered.begin(), middle, true);
+  const auto above = std::count(middle, covered.end(), true);
+  return static_cast<double>(below + 2 * above) /
+         (kHorizon * kColumns + 2.0 * (kRows - kHorizon) * kColumns);
 }
 
 }  // namespace voxatlas

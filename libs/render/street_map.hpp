@@ -30,7 +30,7 @@ class StreetMap {
   /// known any more; at most `limit`.
   double clear_way(const Eigen::Vector2d& p, const Eigen::Vector2d& direction, double limit) const;
   /// How much there is to see from `eye` towards `direction`: the share of a picture, 80 degrees
-  /// wide, that shows something at 4 to 60 m, ground or not.
+  /// wide, that shows something at 4 to 60 m; above the horizon it counts twice.
   double outlook(const Eigen::Vector3d& eye, const Eigen::Vector2d& direction) const;
 
  private:

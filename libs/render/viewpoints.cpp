@@ -60,7 +60,7 @@ struct Stand {
 /// The ways one could look from a place, by how far they are clear; best first.
 std::vector<Stand> clear_stands(const StreetMap& map, const Eigen::Vector2d& long_axis) {
   constexpr double kSearch = 36;    // Metres around the middle.
-  constexpr double kFarthest = 30;  // Metres; what is clear beyond makes no better picture.
+  constexpr double kFarthest = 40;  // Metres; what is clear beyond makes no better picture.
   const double axis_angle = std::atan2(long_axis.y(), long_axis.x());
   std::vector<Stand> stands;
   for (double x = -kSearch; x <= kSearch; x += 2) {
@@ -84,11 +84,11 @@ std::vector<Stand> clear_stands(const StreetMap& map, const Eigen::Vector2d& lon
 
 /// Of the clearest ways the one with most to see; score 0: none.
 Stand best_stand(const StreetMap& map, const Eigen::Vector2d& long_axis) {
-  constexpr std::size_t kLookAt = 60;
+  constexpr std::size_t kLookAt = 150;
   constexpr double kMetresForAFullPicture = 60;
   const auto stands = clear_stands(map, long_axis);
   Stand best;
-  const std::size_t every = std::max<std::size_t>(1, stands.size() / 4 / kLookAt);
+  const std::size_t every = std::max<std::size_t>(1, stands.size() / 2 / kLookAt);
   for (std::size_t i = 0; i < stands.size() && i < every * kLookAt; i += every) {
     Stand stand = stands[i];
     const Eigen::Vector3d eye(stand.place.x(), stand.place.y(),
@@ -158,7 +158,7 @@ Result<Camera> street_view(const Grid& grid, std::span<const TileWeight> tiles,
   Eigen::Vector3d ahead_enu;
   ahead_enu << stand.heading * 20, -0.8;  // A little down: more street than sky.
   return Camera::look_at(frame->to_ecef(eye_enu), frame->to_ecef(eye_enu + ahead_enu),
-                         frame->up_ecef(), Lens::of_view(56, size.width, size.height));
+                         frame->up_ecef(), Lens::of_view(50, size.width, size.height));
 }
 
 Result<Camera> standing_view(const Geodetic& eye, double heading_deg, const ViewSize& size) {
@@ -170,7 +170,7 @@ Result<Camera> standing_view(const Geodetic& eye, double heading_deg, const View
   const double angle = radians(heading_deg);
   const Eigen::Vector3d ahead_enu(20 * std::sin(angle), 20 * std::cos(angle), 0);
   return Camera::look_at(frame->origin_ecef(), frame->to_ecef(ahead_enu), frame->up_ecef(),
-                         Lens::of_view(56, size.width, size.height));
+                         Lens::of_view(50, size.width, size.height));
 }
 
 }  // namespace voxatlas
