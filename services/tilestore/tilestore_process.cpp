@@ -21,6 +21,24 @@ namespace voxatlas {
 
 namespace {
 
+/// What RocksDB may hold beside the tiles, in proportion: a small budget is meant.
+RocksDbOptions store_options(const AtlasOptions& atlas) {
+  constexpr std::size_t kLeast = std::size_t{2} << 20;
+  RocksDbOptions options;
+  const std::size_t share = std::max(kLeast, atlas.cache_bytes / 32);
+  options.block_cache_bytes = std::min(options.block_cache_bytes, share);
+  options.write_buffer_bytes = std::min(options.write_buffer_bytes, share);
+  return options;
+}
+
+/// Deltas that have arrived and not been taken wait here; then the ingests' credit runs dry.
+ConsumerConfig consumer_config(const AtlasOptions& atlas) {
+  constexpr std::size_t kLeast = std::size_t{8} << 20;
+  ConsumerConfig config;
+  config.max_held_bytes = std::min(config.max_held_bytes, std::max(kLeast, atlas.cache_bytes / 16));
+  return config;
+}
+
 class TilestoreProcess {
  public:
   explicit TilestoreProcess(const TilestoreOptions& options) : options_(options) {}
@@ -61,7 +79,8 @@ Status TilestoreProcess::start() {
 
 Status TilestoreProcess::open_model() {
   const auto shard = static_cast<ShardId>(options_.shard);
-  auto store = RocksDbStore::open(fmt::format("{}/shard-{}", options_.data_dir, shard), {});
+  auto store = RocksDbStore::open(fmt::format("{}/shard-{}", options_.data_dir, shard),
+                                  store_options(options_.atlas));
   if (!store) return pass_on(store);
   store_ = std::move(*store);
   auto stored = Atlas::stored_parameters(*store_, shard);
@@ -87,7 +106,7 @@ Status TilestoreProcess::join_bus() {
   ports_ = std::make_unique<ReplyPorts>(*bus_);
   auto endpoint = Endpoint::create(EndpointClass::kStore, options_.shard);
   if (!endpoint) return pass_on(endpoint);
-  auto in = InLink::create(*bus_, *endpoint, ConsumerConfig{});
+  auto in = InLink::create(*bus_, *endpoint, consumer_config(options_.atlas));
   if (!in) return pass_on(in);
   in_ = std::move(*in);
   auto raw_tiles = RawTiles::create(*bus_, options_.compressors);

@@ -2,8 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <iterator>
+#include <utility>
 
 #include "base/log.hpp"
 #include "base/utime.hpp"
@@ -16,7 +15,7 @@ TilestoreService::TilestoreService(Atlas& atlas)
   order_.start_from(atlas.marks());
 }
 
-bool TilestoreService::has_room() const { return ready_.size() < kMaxQueued; }
+bool TilestoreService::has_room() const { return ready_bytes_ < kMaxReadyBytes; }
 
 void TilestoreService::take(const scan_delta_t& message, std::int64_t session,
                             std::int64_t number) {
@@ -34,7 +33,10 @@ void TilestoreService::take(const scan_delta_t& message, std::int64_t session,
   const bool usable = scan && offered;
   streams_[session].push_back({number, message.source, message.session,
                                usable ? message.seq : INT64_MAX});  // Never at or below a mark.
-  std::ranges::move(order_.take_ready(), std::back_inserter(ready_));
+  for (auto& ready : order_.take_ready()) {
+    for (const auto& [key, delta] : ready.deltas) ready_bytes_ += delta.size();
+    ready_.push_back(std::move(ready));
+  }
 }
 
 Result<ShardScan> TilestoreService::to_shard_scan(const scan_delta_t& message) const {
@@ -71,6 +73,7 @@ Result<TilestoreService::Outcome> TilestoreService::commit() {
     if (!changes) return pass_on(changes);
     ++counters_.commits;
     ready_.clear();
+    ready_bytes_ = 0;
     outcome.updates.reserve(changes->size());
     for (const auto& change : *changes) outcome.updates.push_back(to_update(change));
   }

@@ -18,11 +18,11 @@ namespace voxatlas {
 /// Source:  DESIGN sections 6 and 7. A delta may be acknowledged when its scan's seq is at or below
 /// the
 ///          source's mark: it is in the journal, synced, whoever computed it.
-/// Memory:  ScanOrder's bound for each source; at most kMaxQueued deltas are taken before a commit.
+/// Memory:  ScanOrder's bound for each source; about kMaxReadyBytes of deltas before a commit.
 /// Threads: one at a time.
 class TilestoreService {
  public:
-  static constexpr std::size_t kMaxQueued = 256;
+  static constexpr std::size_t kMaxReadyBytes = std::size_t{8} << 20;
 
   explicit TilestoreService(Atlas& atlas);
 
@@ -70,6 +70,7 @@ class TilestoreService {
   std::int64_t parameters_id_;
   ScanOrder order_;
   std::vector<ShardScan> ready_;  ///< In order, not yet durable.
+  std::size_t ready_bytes_ = 0;   ///< Of their deltas.
   std::map<std::int64_t, std::deque<Pending>>
       streams_;  ///< By stream session: not yet acknowledged.
   Counters counters_;
