@@ -10,7 +10,9 @@ constexpr std::size_t kPage = 4096;
 constexpr std::size_t kUnknownChunkBytes = 60'000;
 constexpr std::int64_t kLatelyUs = 50'000;
 
-bool wants_more(const CreditAccount& account) { return account.offered > account.credit; }
+bool wants_more(const CreditAccount& account) {
+  return account.offered > account.credit && account.heard_at >= account.granted_at;
+}
 
 std::size_t cost_of(const CreditAccount& account) { return buffer_cost(account.chunk_bytes); }
 
@@ -26,7 +28,7 @@ class Division {
       : accounts_(accounts), buffer_(buffer), now_(now) {
     for (const auto* account : accounts_) {
       used_ += static_cast<std::size_t>(account->outstanding()) * cost_of(*account);
-      if (account->offered > account->arrived) ++active_;
+      if (wants_more(*account) || account->outstanding() > 0) ++active_;
     }
   }
 
@@ -45,6 +47,7 @@ class Division {
       give(*account, chunks);
       account->granted = true;
       account->turn = ++turns;
+      account->granted_at = now_;
     }
     waits_ = std::ranges::any_of(waiting, [](const auto* a) { return a->outstanding() == 0; });
   }

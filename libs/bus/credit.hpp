@@ -11,7 +11,8 @@ struct CreditAccount {
   std::int64_t credit = 0;        ///< Chunks below this are granted.
   std::int64_t accept_below = 0;  ///< The most ever granted: what may still come late.
   std::int64_t told_at = 0;       ///< When an acknowledgement last named the credit.
-  std::uint64_t turn = 0;         ///< When it was last granted some, in turns.
+  std::int64_t granted_at = 0;    ///< When it was last granted some,
+  std::uint64_t turn = 0;         ///< and in which turn.
   std::size_t chunk_bytes = 0;    ///< Data of a full chunk; 0: none seen yet.
 
   // As of now, from the stream:
@@ -29,7 +30,7 @@ std::size_t buffer_cost(std::size_t chunk_bytes);
 
 /// Divides the receive buffer among those who want to send: the one whose turn is longest ago
 /// first, to each its share, at least a chunk; what is left over goes ahead to those who lately
-/// sent, so that they need not ask.
+/// sent, so that they need not ask. Who let a turn pass in silence gets no other until it is heard.
 void divide_credit(std::span<CreditAccount*> accounts, std::size_t receive_buffer_bytes,
                    std::int64_t now, std::uint64_t& turns);
 

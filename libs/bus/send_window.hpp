@@ -26,7 +26,9 @@ class SendWindow {
 
  private:
   static constexpr double kStart = 32;
-  static constexpr double kLeast = 2;  ///< So that a loss shows by what comes after it.
+  /// The credit already keeps the receiver from drowning, so this is for the network's sake, as
+  /// TCP begins with ten packets. Fewer, and losses show late: by what comes after them.
+  static constexpr double kLeast = 8;
   static constexpr double kMost = 4096;
   static constexpr std::int64_t kRoundUs = 5'000;
 

@@ -16,7 +16,7 @@ namespace {
 constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
 constexpr std::size_t kMaxStreams = 1024;
 constexpr std::int64_t kAckDelayUs = 250;  ///< Arrivals wait this long to be acknowledged together.
-constexpr std::int64_t kGapAgainUs = 2'000;
+constexpr std::int64_t kGapAgainUs = 1'000;
 constexpr std::int64_t kGapAgainMaxUs = 500'000;
 constexpr std::int64_t kActiveUs = 1'000'000;
 

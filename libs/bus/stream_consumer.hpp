@@ -34,7 +34,7 @@ struct StreamMessage {
 /// Source:  DESIGN section 6.
 /// Time:    microseconds of one steady clock, given with each call.
 /// Promise: each stream's messages come once each, whole, in order; again only after a restart of
-///          the consumer and only those it had not committed.
+///          the consumer and only those whose producer did not know them committed yet.
 /// Credit:  the receive buffer divided among the producers that have something to send, granted in
 ///          turns, at least one chunk to whoever holds the turn; withheld while max_held_bytes are
 ///          held. What a silent producer leaves unused lapses and goes to others.

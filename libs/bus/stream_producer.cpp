@@ -4,6 +4,7 @@
 #include <deque>
 #include <limits>
 #include <set>
+#include <utility>
 
 #include "base/check.hpp"
 #include "base/crc32c.hpp"
@@ -17,8 +18,9 @@ namespace {
 constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
 constexpr std::int64_t kCreditLapsesUs = 100'000;
 /// A gap may be reported again before its retransmission has arrived: only a later report is news.
-constexpr std::int64_t kResendAgainUs = 1'500;
+constexpr std::int64_t kResendAgainUs = 700;
 constexpr std::size_t kPastIncarnations = 16;
+constexpr std::int64_t kIncarnationGoneUs = 500'000;
 constexpr std::int64_t kClientBits = ~std::int64_t{0xffff};
 
 struct HeldChunk {
@@ -40,7 +42,7 @@ struct StreamProducer::State {
   std::int64_t base() const { return offered - static_cast<std::int64_t>(chunks.size()); }
   HeldChunk& at(std::int64_t seq) { return chunks[static_cast<std::size_t>(seq - base())]; }
 
-  bool accept_incarnation(const ack_t& ack);
+  bool accept_incarnation(const ack_t& ack, std::int64_t now);
   bool free_committed(std::int64_t committed);
   void resend(const ack_t& ack, std::int64_t now);
   std::int64_t may_send_below(std::int64_t now) const;
@@ -68,6 +70,7 @@ struct StreamProducer::State {
 
   std::int64_t incarnation = 0;
   std::deque<std::int64_t> past_incarnations;
+  std::int64_t current_heard = 0;  ///< When this incarnation was.
   std::int64_t last_heard = 0;
   std::int64_t last_sent = 0;
   std::int64_t silence_us = 0;  ///< How long to wait before the next probe.
@@ -76,11 +79,18 @@ struct StreamProducer::State {
 };
 
 /// An incarnation that is new starts from what its first acknowledgement says; one that an other
-/// has followed is only believed what it made durable.
-bool StreamProducer::State::accept_incarnation(const ack_t& ack) {
+/// has followed is only believed what it made durable. Which of two came later is a guess where
+/// acknowledgements overtake one another: the one that goes on speaking is right.
+bool StreamProducer::State::accept_incarnation(const ack_t& ack, std::int64_t now) {
+  const auto heard = std::exchange(current_heard, now);
   if (ack.incarnation == incarnation) return true;
-  if (std::ranges::find(past_incarnations, ack.incarnation) != past_incarnations.end()) {
-    return false;
+  const auto past = std::ranges::find(past_incarnations, ack.incarnation);
+  if (past != past_incarnations.end()) {
+    if (now - heard < kIncarnationGoneUs) {
+      current_heard = heard;
+      return false;
+    }
+    past_incarnations.erase(past);
   }
   if (incarnation != 0) {
     ++counters.consumer_restarts;
@@ -221,7 +231,7 @@ void StreamProducer::on_ack(const ack_t& ack, std::int64_t now) {
   const bool lapsed = now - state.last_heard > kCreditLapsesUs;
   state.last_heard = now;
   state.asked = false;
-  const bool current = state.accept_incarnation(ack);
+  const bool current = state.accept_incarnation(ack, now);
   const bool freed = state.free_committed(ack.committed);
   if (!current) return;
   const bool news = freed || ack.received > state.received || ack.credit > state.credit;

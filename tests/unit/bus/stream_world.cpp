@@ -14,7 +14,9 @@ StreamWorld::StreamWorld(const Setup& setup, std::mt19937_64& rng)
     Peer peer;
     peer.producer = std::make_unique<StreamProducer>(next_session_++, setup_.stream);
     for (int m = 0; m < setup_.messages; ++m) {
-      Bytes bytes(rng_() % 4 == 0 ? rng_() % 100 : rng_() % setup_.most_bytes);
+      const auto range = setup_.most_bytes - setup_.least_bytes + 1;
+      Bytes bytes(setup_.least_bytes +
+                  (rng_() % 4 == 0 ? rng_() % std::min<std::size_t>(range, 100) : rng_() % range));
       for (std::size_t at = 0; at < bytes.size(); at += 997) {
         bytes[at] = static_cast<std::uint8_t>(rng_());
       }
@@ -50,11 +52,13 @@ void StreamWorld::move_chunks() {
 }
 
 void StreamWorld::read() {
-  if (now < next_read_ || buffer_.empty()) return;
+  if (now < next_read_) return;
   next_read_ = now + setup_.read_every_us;
   for (auto& chunk : std::exchange(buffer_, {})) consumer->on_chunk(std::move(chunk), now);
   buffered_ = 0;
   most_held = std::max(most_held, consumer->held_bytes());
+  if (now < next_take_) return;
+  next_take_ = now + setup_.take_every_us;
   for (auto& message : consumer->take()) deliver(std::move(message));
 }
 
@@ -63,8 +67,14 @@ void StreamWorld::deliver(StreamMessage message) {
     if (peer.producer->session() != message.session) continue;
     const auto number = peer.oracle.first + message.number;
     const auto expected = last_number_.find(message.session);
-    if (expected != last_number_.end() && message.number != expected->second + 1) ++wrong;
+    // In order and without gaps, but for what an earlier incarnation has committed.
+    const auto next = expected == last_number_.end() ? message.number : expected->second + 1;
+    if (message.number < next) ++wrong;
+    for (auto skipped = next; skipped < message.number; ++skipped) {
+      if (!peer.oracle.committed.contains(peer.oracle.first + skipped)) ++wrong;
+    }
     last_number_[message.session] = message.number;
+    if (number < peer.known_at_restart) ++again_after_commit;
     if (message.payload != peer.oracle.offered[static_cast<std::size_t>(number)]) ++wrong;
     ++peer.oracle.times[number];
     work_.push_back({now + setup_.commit_after_us, message.session, message.number});
@@ -98,8 +108,13 @@ std::int64_t StreamWorld::next_event() const {
   auto at =
       std::min({chunk_wire_.next_arrival(), ack_wire_.next_arrival(), consumer->next_poll(now)});
   if (!buffer_.empty()) at = std::min(at, next_read_);
+  if (setup_.take_every_us > 0) at = std::min(at, std::max(now, next_take_));
   for (const auto& work : work_) at = std::min(at, work.due);
-  for (const auto& peer : peers) at = std::min(at, peer.producer->next_poll(now));
+  for (const auto& peer : peers) {
+    const auto offered = peer.oracle.first + peer.producer->offered_messages();
+    const bool more = offered < static_cast<std::int64_t>(peer.oracle.offered.size());
+    at = std::min(at, more && peer.producer->has_room() ? now : peer.producer->next_poll(now));
+  }
   return at;
 }
 
@@ -135,9 +150,14 @@ void StreamWorld::restart_consumer() {
   ++restarts;
   consumer = std::make_unique<StreamConsumer>(++incarnation_, setup_.consumer);
   work_.clear();
+  while (chunk_wire_.receive(INT64_MAX)) {  // Nobody is there to receive what is under way.
+  }
   buffer_.clear();
   buffered_ = 0;
   last_number_.clear();
+  for (auto& peer : peers) {
+    peer.known_at_restart = peer.oracle.first + peer.producer->committed_messages();
+  }
 }
 
 void StreamWorld::restart_producer(std::size_t index) {

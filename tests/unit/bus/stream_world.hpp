@@ -19,11 +19,13 @@ class StreamWorld {
  public:
   struct Setup {
     int producers = 1;
-    int messages = 30;                 ///< Of each producer.
+    int messages = 30;  ///< Of each producer.
+    std::size_t least_bytes = 0;
     std::size_t most_bytes = 400'000;  ///< Of a message; sizes are random.
     WireFaults chunks;
     WireFaults acks;
     std::int64_t read_every_us = 0;    ///< 0: at once.
+    std::int64_t take_every_us = 0;    ///< 0: the consumer takes messages when they are there.
     std::int64_t commit_after_us = 0;  ///< How long the consumer works on a message.
     std::size_t buffer_bytes = 208 * 1024;
     StreamConfig stream;
@@ -51,6 +53,7 @@ class StreamWorld {
   struct Peer {
     std::unique_ptr<StreamProducer> producer;
     Oracle oracle;
+    std::int64_t known_at_restart = 0;  ///< What it knew to be committed when the consumer died.
   };
 
   std::vector<Peer> peers;
@@ -60,6 +63,7 @@ class StreamWorld {
   std::size_t most_held = 0;
   int wrong = 0;  ///< Deliveries that differ from the oracle, or out of order.
   int restarts = 0;
+  int again_after_commit = 0;  ///< Deliveries of what the producer knew to be committed before.
 
  private:
   void offer_more(Peer& peer);
@@ -77,6 +81,7 @@ class StreamWorld {
   std::vector<chunk_t> buffer_;  ///< The socket's.
   std::size_t buffered_ = 0;
   std::int64_t next_read_ = 0;
+  std::int64_t next_take_ = 0;
   std::int64_t incarnation_ = 1;
   std::int64_t next_session_ = 1;
   std::map<std::int64_t, std::int64_t>
