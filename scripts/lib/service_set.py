@@ -232,6 +232,8 @@ class ServiceSet:
                 service.signal(signal.SIGTERM)
             for service in running:
                 failed += self._wait_for_stop(service)
+                if service.process.stdout:
+                    service.process.stdout.close()
         self.services = []
         if self.bus:
             self.bus.leave()
