@@ -121,14 +121,11 @@ std::vector<std::pair<std::string, double>> CompressProcess::counters() const {
 }  // namespace
 
 Status serve_compress(const CompressOptions& options) {
-  stop_on_signals();
   constexpr int kPoliteness = 10;  // Import and pictures come first.
   if (nice(kPoliteness) == -1) log_warning("could not lower the own priority");
   CompressProcess process(options);
   if (auto started = process.start(); !started) return started;
-  auto ended = process.run();
-  if (ended) log_info("stopped");
-  return ended;
+  return process.run();
 }
 
 }  // namespace voxatlas

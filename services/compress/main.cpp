@@ -5,10 +5,11 @@
 //   out  VOXATLAS_ACK, VOXATLAS_STATUS
 //
 // It keeps no state: start as many as there are cores; the store drops what has become stale.
-#include <CLI/CLI.hpp>
-#include <exception>
+#include <fmt/format.h>
 
-#include "base/log.hpp"
+#include <CLI/CLI.hpp>
+
+#include "bus/service_main.hpp"
 #include "compress/compress_process.hpp"
 
 namespace voxatlas {
@@ -22,15 +23,8 @@ int main(int argc, char** argv) {
   CLI::App app{"voxatlas compress: encodes tiles that rest densely", "voxatlas-compress"};
   voxatlas::declare(app, options);
   CLI11_PARSE(app, argc, argv);
-  voxatlas::set_log_name(fmt::format("compress[{}]", options.index));
-  try {
-    const auto served = voxatlas::serve_compress(options);
-    if (served) return 0;
-    voxatlas::log_error("{}", served.error().message);
-  } catch (const std::exception& e) {  // Nothing can go on: no memory, no threads.
-    voxatlas::log_error("{}", e.what());
-  }
-  return 1;
+  return voxatlas::run_service(fmt::format("compress[{}]", options.index),
+                               [&] { return voxatlas::serve_compress(options); });
 }
 
 namespace voxatlas {

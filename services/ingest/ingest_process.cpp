@@ -183,12 +183,9 @@ std::vector<std::pair<std::string, double>> IngestProcess::counters() const {
 }  // namespace
 
 Status serve_ingest(const IngestOptions& options) {
-  stop_on_signals();
   IngestProcess process(options);
-  if (auto started = process.start(); !started) return started;
-  auto ended = process.run();
-  if (ended) log_info("stopped");
-  return ended;
+  if (auto started = process.start(); !started) return stop_requested() ? Status{} : started;
+  return process.run();
 }
 
 }  // namespace voxatlas

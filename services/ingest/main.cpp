@@ -8,10 +8,11 @@
 //   out  VOXATLAS_ACK, VOXATLAS_STATUS
 //
 // It keeps nothing: what it has not handed on durably, its publishers still hold and send again.
-#include <CLI/CLI.hpp>
-#include <exception>
+#include <fmt/format.h>
 
-#include "base/log.hpp"
+#include <CLI/CLI.hpp>
+
+#include "bus/service_main.hpp"
 #include "ingest/ingest_process.hpp"
 
 namespace voxatlas {
@@ -25,15 +26,8 @@ int main(int argc, char** argv) {
   CLI::App app{"voxatlas ingest: turns laser scans into tile deltas", "voxatlas-ingest"};
   voxatlas::declare(app, options);
   CLI11_PARSE(app, argc, argv);
-  voxatlas::set_log_name(fmt::format("ingest[{}]", options.index));
-  try {
-    const auto served = voxatlas::serve_ingest(options);
-    if (served) return 0;
-    voxatlas::log_error("{}", served.error().message);
-  } catch (const std::exception& e) {  // Nothing can go on: no memory, no threads.
-    voxatlas::log_error("{}", e.what());
-  }
-  return 1;
+  return voxatlas::run_service(fmt::format("ingest[{}]", options.index),
+                               [&] { return voxatlas::serve_ingest(options); });
 }
 
 namespace voxatlas {

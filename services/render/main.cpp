@@ -10,10 +10,11 @@
 //   out  VOXATLAS_TILES_REQUEST, VOXATLAS_TILE_REQUEST, VOXATLAS_MODEL_REQUEST, VOXATLAS_STATUS
 //
 // It keeps a cache of tiles, nothing else: start as many as there are viewers to serve.
-#include <CLI/CLI.hpp>
-#include <exception>
+#include <fmt/format.h>
 
-#include "base/log.hpp"
+#include <CLI/CLI.hpp>
+
+#include "bus/service_main.hpp"
 #include "render/render_process.hpp"
 
 namespace voxatlas {
@@ -27,15 +28,8 @@ int main(int argc, char** argv) {
   CLI::App app{"voxatlas render: draws the model for whoever asks", "voxatlas-render"};
   voxatlas::declare(app, options);
   CLI11_PARSE(app, argc, argv);
-  voxatlas::set_log_name(fmt::format("render[{}]", options.index));
-  try {
-    const auto served = voxatlas::serve_render(options);
-    if (served) return 0;
-    voxatlas::log_error("{}", served.error().message);
-  } catch (const std::exception& e) {  // Nothing can go on: no memory.
-    voxatlas::log_error("{}", e.what());
-  }
-  return 1;
+  return voxatlas::run_service(fmt::format("render[{}]", options.index),
+                               [&] { return voxatlas::serve_render(options); });
 }
 
 namespace voxatlas {

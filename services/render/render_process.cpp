@@ -134,7 +134,6 @@ Result<std::int64_t> RenderProcess::work(std::int64_t now) {
 }  // namespace
 
 Status serve_render(const RenderProcessOptions& options) {
-  stop_on_signals();
   RenderProcess process(options);
   if (auto started = process.start(); !started) return stop_requested() ? Status{} : started;
   return process.run();

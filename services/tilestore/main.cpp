@@ -8,10 +8,11 @@
 //   VOXATLAS_ACK, VOXATLAS_STATUS
 //
 // What it has acknowledged survives a kill -9 and a power cut: journal first, then memory.
-#include <CLI/CLI.hpp>
-#include <exception>
+#include <fmt/format.h>
 
-#include "base/log.hpp"
+#include <CLI/CLI.hpp>
+
+#include "bus/service_main.hpp"
 #include "tilestore/tilestore_process.hpp"
 
 namespace voxatlas {
@@ -26,15 +27,8 @@ int main(int argc, char** argv) {
   CLI::App app{"voxatlas tilestore: keeps one shard of the model", "voxatlas-tilestore"};
   voxatlas::declare(app, options);
   CLI11_PARSE(app, argc, argv);
-  voxatlas::set_log_name(fmt::format("tilestore[{}]", options.shard));
-  try {
-    const auto served = voxatlas::serve_tilestore(options);
-    if (served) return 0;
-    voxatlas::log_error("{}", served.error().message);
-  } catch (const std::exception& e) {  // Nothing can go on: no memory, no threads.
-    voxatlas::log_error("{}", e.what());
-  }
-  return 1;
+  return voxatlas::run_service(fmt::format("tilestore[{}]", options.shard),
+                               [&] { return voxatlas::serve_tilestore(options); });
 }
 
 namespace voxatlas {

@@ -276,12 +276,9 @@ Result<ModelParameters> apply_options(const ModelOptions& options, std::int32_t 
 }
 
 Status serve_tilestore(const TilestoreOptions& options) {
-  stop_on_signals();
   TilestoreProcess process(options);
   if (auto started = process.start(); !started) return started;
-  auto ended = process.run();
-  if (ended) log_info("stopped");
-  return ended;
+  return process.run();
 }
 
 }  // namespace voxatlas

@@ -1,0 +1,26 @@
+#include "bus/service_main.hpp"
+
+#include <exception>
+
+#include "base/log.hpp"
+#include "bus/service_loop.hpp"
+
+namespace voxatlas {
+
+int run_service(const std::string& log_name, const std::function<Status()>& serve) {
+  set_log_name(log_name);
+  stop_on_signals();
+  try {
+    const auto served = serve();
+    if (served) {
+      log_info("stopped");
+      return 0;
+    }
+    log_error("{}", served.error().message);
+  } catch (const std::exception& e) {
+    log_error("{}", e.what());
+  }
+  return 1;
+}
+
+}  // namespace voxatlas
