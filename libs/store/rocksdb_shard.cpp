@@ -6,17 +6,18 @@
 
 namespace voxatlas {
 
+RocksDbStore::State::Shard& RocksDbStore::State::slot(ShardId id) {
+  const std::lock_guard guard(shards_mutex);
+  auto& entry = shards[id];
+  if (!entry) entry = std::make_unique<Shard>();
+  return *entry;
+}
+
 Result<RocksDbStore::State::Owned> RocksDbStore::State::lock(ShardId id) {
-  Shard* shard = nullptr;
-  {
-    const std::lock_guard guard(shards_mutex);
-    auto& slot = shards[id];
-    if (!slot) slot = std::make_unique<Shard>();
-    shard = slot.get();
-  }
-  Owned owned{std::unique_lock(shard->mutex), shard};
-  if (!shard->loaded) {
-    if (auto ok = load(id, *shard); !ok) return pass_on(ok);
+  auto& shard = slot(id);
+  Owned owned{std::unique_lock(shard.mutex), &shard};
+  if (!shard.loaded) {
+    if (auto ok = load(id, shard); !ok) return pass_on(ok);
   }
   return owned;
 }
@@ -64,7 +65,7 @@ Status RocksDbStore::State::write(Shard& shard, rocksdb::WriteBatch& batch, std:
     out_of_space = false;
   }
   rocksdb::WriteOptions synced;
-  synced.sync = true;
+  synced.sync = sync;
   const auto status = db->Write(synced, &batch);
   if (status.ok()) return acked.raise(db->GetLatestSequenceNumber());
   shard.loaded = false;

@@ -4,6 +4,7 @@
 #include <rocksdb/write_batch.h>
 
 #include <atomic>
+#include <condition_variable>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -19,7 +20,20 @@ namespace voxatlas {
 
 /// What a RocksDbStore holds. For its own .cpp files: RocksDB's headers stay behind them.
 struct RocksDbStore::State {
+  /// A call of append() that waits for its group's write.
+  struct Appending {
+    Epoch epoch;
+    std::span<const Bytes> records;
+    Result<JournalPosition> result = JournalPosition{0};
+    bool done = false;
+  };
+
   struct Shard {
+    std::mutex queue_mutex;  // Guards the next three; never taken while `mutex` is held.
+    std::condition_variable queue_moved;
+    std::vector<Appending*> queue;
+    bool writing_group = false;
+
     std::mutex mutex;  // Held for a whole write; guards what follows.
     bool loaded = false;
     Epoch epoch = 0;
@@ -37,6 +51,7 @@ struct RocksDbStore::State {
   std::unique_ptr<rocksdb::DB> db;
   std::vector<rocksdb::ColumnFamilyHandle*> families;  // As opened: default, tiles, journal, state.
   AckedFile acked;
+  bool sync = true;
   std::atomic<bool> out_of_space = false;  // A write failed so; RocksDB must be told to resume.
 
   std::mutex shards_mutex;
@@ -52,10 +67,14 @@ struct RocksDbStore::State {
   /// Of a failed opening; the common ones in words that say what to do.
   Error open_error(const rocksdb::Status& status) const;
 
+  Shard& slot(ShardId shard);
   /// The shard, locked and read from disk where it was not. Then, by own(), its epoch is compared.
   Result<Owned> lock(ShardId shard);
   Result<Owned> own(ShardId shard, Epoch epoch);
   Status load(ShardId id, Shard& shard);
+  /// Writes the records of all whose epoch is the shard's, in one batch; sets everyone's result.
+  void append_group(ShardId shard, std::span<Appending* const> group);
+  Status append_rows(ShardId id, Shard& shard, std::span<Appending* const> group);
   Result<JournalPosition> last_position(ShardId shard, JournalPosition trimmed);
 
   /// Synced; where it fails the shard is read from disk again before its next write.

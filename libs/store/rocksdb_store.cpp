@@ -28,23 +28,6 @@ Result<Epoch> RocksDbStore::acquire(ShardId shard) {
   return epoch;
 }
 
-Result<JournalPosition> RocksDbStore::append(ShardId shard, Epoch epoch,
-                                             std::span<const Bytes> records) {
-  auto owned = state_->own(shard, epoch);
-  if (!owned) return pass_on(owned);
-  JournalPosition position = owned->shard->last;
-  if (records.empty()) return position;
-  rocksdb::WriteBatch batch;
-  for (const auto& record : records) {
-    const std::string key = row_key(shard, ++position);
-    const auto status = batch.Put(state_->journal(), key, seal(key, record));
-    if (!status.ok()) return tl::unexpected(state_->error_of(status, "append"));
-  }
-  if (auto ok = state_->write(*owned->shard, batch, "append"); !ok) return pass_on(ok);
-  owned->shard->last = position;
-  return position;
-}
-
 Status RocksDbStore::put(ShardId shard, Epoch epoch, std::span<const StoredTile> tiles) {
   auto owned = state_->own(shard, epoch);
   if (!owned) return pass_on(owned);

@@ -9,6 +9,9 @@
 namespace voxatlas {
 
 struct RocksDbOptions {
+  /// False: writes are acknowledged before they are on the disk, and a power cut loses them. For
+  /// the power-cut test alone, which must see that loss.
+  bool sync = true;
   bool create = true;  ///< Make the folder and an empty store in it where there is none.
   std::size_t block_cache_bytes = std::size_t{16} << 20;   ///< Blocks, indexes and filters read.
   std::size_t write_buffer_bytes = std::size_t{16} << 20;  ///< Of tiles; the journal's is half.
@@ -21,8 +24,9 @@ struct RocksDbOptions {
 ///          merge operator, no compression (tiles come compressed), every write synced.
 /// Errors:  as TileStore says. A folder that another process has open, that is no store or that
 ///          has lost acknowledged writes is refused by open().
-/// Threads: every call from any thread. Writes of one shard wait for one another; those of several
-///          shards share RocksDB's group commit.
+/// Threads: every call from any thread. Appends that wait for the same shard are written as one;
+///          other writes of a shard wait for one another; several shards share RocksDB's group
+///          commit.
 class RocksDbStore final : public TileStore {
  public:
   static Result<std::unique_ptr<RocksDbStore>> open(const std::string& directory,
