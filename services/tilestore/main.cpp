@@ -54,7 +54,7 @@ static void declare(CLI::App& app, TilestoreOptions& options) {
       ->check(CLI::Range(1, 1 << 20));
   app.add_option_function<std::size_t>(
          "--journal-mb", [&options](std::size_t mb) { options.atlas.journal_max_bytes = mb << 20; },
-         "most the journal may hold, MiB [64]")
+         "most the journal may hold, MiB [40]")
       ->check(CLI::Range(1, 1 << 16));
   declare_model(app, options.model);
   app.set_config("--config", "", "read options from a TOML file");
