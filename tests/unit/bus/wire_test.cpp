@@ -2,8 +2,8 @@
 // justify.
 #include "bus/wire.hpp"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
-#include <cstring>
 
 #include "bus/random_messages.hpp"
 #include "support/engine.hpp"
@@ -83,7 +83,7 @@ TEMPLATE_TEST_CASE("random bytes behind a type's fingerprint do no harm", "[bus]
   for (int run = 0; run < 2000; ++run) {
     Bytes bytes(rng() % 300);
     for (auto& byte : bytes) byte = rng() % 3 == 0 ? static_cast<std::uint8_t>(rng()) : 0;
-    std::memcpy(bytes.data(), fingerprint.data(), std::min<std::size_t>(8, bytes.size()));
+    std::copy_n(fingerprint.begin(), std::min<std::size_t>(8, bytes.size()), bytes.begin());
     const auto back = decode_message<TestType>(bytes);
     if (back) REQUIRE(encode_message(*back) == bytes);
   }
