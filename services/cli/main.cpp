@@ -5,6 +5,7 @@
 //   watch      frames | tiles | status, as they are published
 //   stat       what the model holds
 //   simulate   the simulated drive as files
+//   store      a model at rest: verify | stat | checkpoint | compact | reshard | merge
 //
 // Every subcommand is a file of its own; this one declares their options.
 #include <fmt/format.h>
@@ -20,6 +21,7 @@
 #include "cli/render.hpp"
 #include "cli/simulate.hpp"
 #include "cli/stat.hpp"
+#include "cli/store.hpp"
 #include "cli/watch.hpp"
 
 namespace voxatlas {
@@ -32,6 +34,7 @@ static void declare_render(CLI::App& app, Command& command);
 static void declare_watch(CLI::App& app, Command& command);
 static void declare_stat(CLI::App& app, Command& command);
 static void declare_simulate(CLI::App& app, Command& command);
+static void declare_store(CLI::App& app, Command& command);
 
 }  // namespace voxatlas
 
@@ -46,6 +49,7 @@ int main(int argc, char** argv) {
   voxatlas::declare_watch(app, command);
   voxatlas::declare_stat(app, command);
   voxatlas::declare_simulate(app, command);
+  voxatlas::declare_store(app, command);
   CLI11_PARSE(app, argc, argv);
   voxatlas::stop_on_signals();
   try {
@@ -182,6 +186,38 @@ static void declare_simulate(CLI::App& app, Command& command) {
   sub->add_option("scans", options.scans, "how many")->required()->check(CLI::PositiveNumber);
   sub->add_option("--out", options.out, "folder to be made")->required();
   sub->add_option("--seed", options.seed, "of the city and the drive")->capture_default_str();
+}
+
+static void declare_store(CLI::App& app, Command& command) {
+  auto* store = app.add_subcommand("store", "a model's folder while its services are stopped");
+  store->require_subcommand(1);
+  const auto add = [&](const char* name, const char* help, Status (*run)(const StoreOptions&)) {
+    CLI::App* sub = nullptr;
+    auto& options = add_command<StoreOptions>(*store, sub, name, help, command, run);
+    sub->add_option("--data-dir", options.data_dir, "folder of the model")->required();
+    return std::pair<CLI::App*, StoreOptions*>(sub, &options);
+  };
+  auto [verify, verify_options] =
+      add("verify", "read everything, check everything, change nothing", run_store_verify);
+  verify->add_flag("--json", verify_options->json, "one JSON object a shard");
+  auto [stat, stat_options] =
+      add("stat", "tiles, bytes, journal, marks of each shard", run_store_stat);
+  stat->add_flag("--json", stat_options->json, "one JSON object a shard");
+  stat->add_option("--hashes", stat_options->hashes,
+                   "write key, version and SHA-256 of every tile to this file");
+  auto [checkpoint, checkpoint_options] =
+      add("checkpoint", "a consistent copy that is a model of its own", run_store_checkpoint);
+  checkpoint->add_option("to", checkpoint_options->target, "folder to be made")->required();
+  add("compact", "rewrite the files without what was overwritten", run_store_compact);
+  auto [reshard, reshard_options] =
+      add("reshard", "the same model in another number of shards", run_store_reshard);
+  reshard->add_option("shards", reshard_options->shards, "how many")
+      ->required()
+      ->check(CLI::Range(1, 100));
+  auto [merge, merge_options] =
+      add("merge", "add another model's log-odds, tile by tile", run_store_merge);
+  merge->add_option("other", merge_options->target, "folder of the other model, also at rest")
+      ->required();
 }
 
 }  // namespace voxatlas

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "base/result.hpp"
+
+namespace voxatlas {
+
+struct StoreOptions {
+  std::string data_dir;
+  std::string target;  ///< checkpoint's and merge's other folder.
+  std::string hashes;  ///< stat: file for one line a tile, as `voxatlas stat --hashes` writes it.
+  std::uint32_t shards = 0;  ///< reshard's.
+  bool json = false;
+};
+
+/// A model's folder while no service runs on it. All refuse one that does (kUnavailable).
+
+/// Every checksum, every tile decoded and in its place, every journal record applicable. Changes
+/// nothing that the model knows. Errors: kCorrupt, after all shards were looked at.
+Status run_store_verify(const StoreOptions& options);
+/// Tiles, bytes, journal and marks of each shard.
+Status run_store_stat(const StoreOptions& options);
+/// A copy that is a model of its own, all shards at one state; files are linked where they can be.
+Status run_store_checkpoint(const StoreOptions& options);
+/// Rewrites all files without what was overwritten.
+Status run_store_compact(const StoreOptions& options);
+/// The same model with another number of shards. The old one is kept beside it.
+Status run_store_reshard(const StoreOptions& options);
+/// Adds another model's log-odds. The old one is kept beside the result.
+Status run_store_merge(const StoreOptions& options);
+
+}  // namespace voxatlas
