@@ -16,6 +16,10 @@ constexpr std::size_t kNetworkChunkBytes = 1300;
 /// Of the payloads of one pump(), so that acknowledgements are looked at between.
 constexpr std::size_t kChunksAtOnce = 16;
 
+/// A larger receive buffer is not filled: what is under way would leave the processor's cache
+/// (measured: 52 chunks 1400 MB/s, 128 chunks 650).
+constexpr std::size_t kMostUnderWay = std::size_t{3} << 20;
+
 /// A message the bus did not take because its hub is away is as good as lost on the way: what must
 /// arrive is sent again.
 Status unless_hub_lost(Status sent) {
@@ -95,7 +99,7 @@ Result<std::unique_ptr<InLink>> InLink::create(Bus& bus, const Endpoint& self,
   if (!port) return pass_on(port);
   auto buffer = receive_buffer_of(port->bus().url());
   if (!buffer) return pass_on(buffer);
-  config.receive_buffer_bytes = *buffer;
+  config.receive_buffer_bytes = std::min(*buffer, kMostUnderWay);
   auto state = std::make_unique<State>(bus, std::move(*port), config);
   auto* consumer = &state->consumer;
   state->chunks =
