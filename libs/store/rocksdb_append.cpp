@@ -56,6 +56,7 @@ Status RocksDbStore::State::append_rows(ShardId id, Shard& shard,
     member->result = position;
   }
   if (position == shard.last) return {};
+  if (auto ok = check_room(batch, "append"); !ok) return ok;
   if (auto ok = write(shard, batch, "append"); !ok) return ok;
   shard.last = position;
   return {};

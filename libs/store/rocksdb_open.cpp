@@ -142,6 +142,7 @@ Result<std::unique_ptr<RocksDbStore>> RocksDbStore::open(const std::string& dire
   auto state = std::make_unique<State>();
   state->directory = directory;
   state->sync = options.sync;
+  state->reserve_bytes = options.reserve_bytes;
   auto& opened = *state;
   std::unique_ptr<RocksDbStore> store(new RocksDbStore(std::move(state)));
   if (auto ok = opened.open_database(options); !ok) return pass_on(ok);

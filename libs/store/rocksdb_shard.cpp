@@ -1,5 +1,9 @@
 // What a shard remembers of itself between calls, and the one way its rows are written.
 #include <fmt/format.h>
+#include <sys/statvfs.h>
+
+#include <cerrno>
+#include <cstring>
 
 #include "store/rocksdb_state.hpp"
 #include "store/store_format.hpp"
@@ -53,6 +57,21 @@ Result<JournalPosition> RocksDbStore::State::last_position(ShardId shard, Journa
   auto position = row_number(view(row->key()));
   if (!position) return pass_on(position, "journal");
   return std::max(trimmed, *position);
+}
+
+Status RocksDbStore::State::check_room(const rocksdb::WriteBatch& batch,
+                                       std::string_view what) const {
+  struct statvfs disk {};
+  if (::statvfs(directory.c_str(), &disk) != 0) {
+    return fail(ErrorCode::kIo, fmt::format("store {}: {}: how full the disk is: {}", directory,
+                                            what, std::strerror(errno)));
+  }
+  const std::uint64_t left = std::uint64_t{disk.f_bavail} * disk.f_frsize;
+  const std::uint64_t wanted = batch.GetDataSize() + reserve_bytes;
+  if (left >= wanted) return {};
+  return fail(ErrorCode::kNoSpace,
+              fmt::format("store {}: {}: the disk has {} bytes left, {} are wanted", directory,
+                          what, left, wanted));
 }
 
 Status RocksDbStore::State::write(Shard& shard, rocksdb::WriteBatch& batch, std::string_view what) {

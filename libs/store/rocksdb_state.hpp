@@ -52,6 +52,7 @@ struct RocksDbStore::State {
   std::vector<rocksdb::ColumnFamilyHandle*> families;  // As opened: default, tiles, journal, state.
   AckedFile acked;
   bool sync = true;
+  std::size_t reserve_bytes = 0;
   std::atomic<bool> out_of_space = false;  // A write failed so; RocksDB must be told to resume.
 
   std::mutex shards_mutex;
@@ -77,6 +78,8 @@ struct RocksDbStore::State {
   Status append_rows(ShardId id, Shard& shard, std::span<Appending* const> group);
   Result<JournalPosition> last_position(ShardId shard, JournalPosition trimmed);
 
+  /// kNoSpace where the disk has less left than the batch and the reserve.
+  Status check_room(const rocksdb::WriteBatch& batch, std::string_view what) const;
   /// Synced; where it fails the shard is read from disk again before its next write.
   Status write(Shard& shard, rocksdb::WriteBatch& batch, std::string_view what);
   Error error_of(const rocksdb::Status& status, std::string_view what) const;

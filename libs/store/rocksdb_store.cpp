@@ -38,6 +38,7 @@ Status RocksDbStore::put(ShardId shard, Epoch epoch, std::span<const StoredTile>
     const auto status = batch.Put(state_->tiles(), key, seal_tile(key, tile));
     if (!status.ok()) return tl::unexpected(state_->error_of(status, "put"));
   }
+  if (auto ok = state_->check_room(batch, "put"); !ok) return ok;
   return state_->write(*owned->shard, batch, "put");
 }
 

@@ -15,6 +15,9 @@ struct RocksDbOptions {
   bool create = true;  ///< Make the folder and an empty store in it where there is none.
   std::size_t block_cache_bytes = std::size_t{16} << 20;   ///< Blocks, indexes and filters read.
   std::size_t write_buffer_bytes = std::size_t{16} << 20;  ///< Of tiles; the journal's is half.
+  /// Nothing is appended or put while the disk has less left than this: RocksDB itself must never
+  /// meet a full disk, it aborts the process then.
+  std::size_t reserve_bytes = std::size_t{64} << 20;
   std::size_t max_wal_bytes = std::size_t{64} << 20;  ///< RocksDB's own log, replayed on opening.
 };
 

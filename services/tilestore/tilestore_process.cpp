@@ -157,11 +157,10 @@ Result<std::int64_t> TilestoreProcess::work(std::int64_t now) {
   const bool idle = waiting_.empty() && service_->waiting() == 0;
   if (idle && atlas_->stats().dirty_tiles > 0) {
     constexpr std::size_t kTilesAtOnce = 16;  // A few milliseconds: new scans must not wait long.
-    if (auto flushed = atlas_->flush_some(kTilesAtOnce);
-        !flushed && flushed.error().code != ErrorCode::kNoSpace) {
-      return pass_on(flushed);
-    }
-    return now;
+    auto flushed = atlas_->flush_some(kTilesAtOnce);
+    if (!flushed && flushed.error().code != ErrorCode::kNoSpace) return pass_on(flushed);
+    if (flushed) return now;
+    return std::min(in_->consumer().next_poll(now), now + 1'000'000);
   }
   return std::min(in_->consumer().next_poll(now), raw_tiles_->next_poll(now));
 }

@@ -3,9 +3,12 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <catch2/catch.hpp>
 #include <csignal>
 #include <fstream>
+#include <map>
+#include <thread>
 
 #include "support/engine.hpp"
 #include "support/temp_dir.hpp"
@@ -201,6 +204,62 @@ TEST_CASE("a log or manifest that lost its end is refused", "[store][rocksdb]") 
     CAPTURE(i, log);
     reported_or_whole(folder / "damaged", told);
   }
+}
+
+TEST_CASE("a disk that is nearly full is refused before anything is written", "[store][rocksdb]") {
+  const test::TempDir folder;
+  RocksDbOptions full;
+  full.reserve_bytes = std::size_t{1} << 60;
+  const Bytes records[] = {record_of_round(1)};
+  const StoredTile tiles[] = {tile_of_round(1)};
+  {
+    const auto store = RocksDbStore::open(folder / "store", full).value();
+    const auto epoch = store->acquire(0).value();
+    REQUIRE(store->append(0, epoch, records).error().code == ErrorCode::kNoSpace);
+    REQUIRE(store->put(0, epoch, tiles).error().code == ErrorCode::kNoSpace);
+    REQUIRE(store->trim(0, epoch, 0, {}).has_value());  // What frees is never refused.
+  }
+  const auto store = open_store(folder / "store");
+  const auto epoch = store->acquire(0).value();
+  REQUIRE(store->scan(0, key(0), 10).value().empty());
+  REQUIRE(store->append(0, epoch, records).value() == 1);
+  REQUIRE(store->put(0, epoch, tiles).has_value());
+}
+
+TEST_CASE("appends by many threads at once each get their own place", "[store][rocksdb]") {
+  const test::TempDir folder;
+  const auto store = open_store(folder / "store");
+  const auto old = store->acquire(0).value();
+  const auto epoch = store->acquire(0).value();
+  constexpr std::uint64_t kThreads = 8, kEach = 30;
+  std::vector<std::map<JournalPosition, Bytes>> mine(kThreads);
+  std::atomic<int> refused = 0;
+  std::vector<std::thread> threads;
+  for (std::uint64_t t = 0; t < kThreads; ++t) {
+    threads.emplace_back([&, t] {
+      for (std::uint64_t i = 0; i < kEach; ++i) {
+        const Bytes records[] = {record_of_round(t * kEach + i), record_of_round(~t)};
+        if (i % 5 == 0) refused += store->append(0, old, records).has_value() ? 0 : 1;
+        const auto last = store->append(0, epoch, records);
+        if (!last) continue;
+        mine[t][*last - 1] = records[0];
+        mine[t][*last] = records[1];
+      }
+    });
+  }
+  for (auto& thread : threads) thread.join();
+  std::map<JournalPosition, Bytes> expected, found;
+  for (auto& some : mine) expected.merge(some);
+  REQUIRE(store
+              ->replay(0,
+                       [&](JournalPosition position, ByteView record) -> Status {
+                         found[position] = Bytes(record.begin(), record.end());
+                         return {};
+                       })
+              .has_value());
+  REQUIRE(refused == kThreads * kEach / 5);
+  REQUIRE(expected.size() == 2 * kThreads * kEach);
+  REQUIRE(found == expected);
 }
 
 }  // namespace
