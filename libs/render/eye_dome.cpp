@@ -12,52 +12,51 @@ constexpr float kStrength = 12;
 constexpr float kMostOfOnePair = 0.04f;  // So that one near leaf does not blacken its surroundings.
 constexpr std::array kReach = {1, 4};    // Pixels.
 
-struct Step {
-  int dx, dy;
-};
-constexpr std::array<Step, 4> kPairs = {{{1, 0}, {0, 1}, {1, 1}, {1, -1}}};
+}  // namespace
 
-std::vector<float> inverse_depths(const CellImage& image) {
-  std::vector<float> inverse(image.z.size());
-  std::transform(image.z.begin(), image.z.end(), inverse.begin(),
+EyeDome::EyeDome(const CellImage& image, float roughness)
+    : image_(image), roughness_(roughness), inverse_(image.z.size()) {
+  std::transform(image.z.begin(), image.z.end(), inverse_.begin(),
                  [](float z) { return 1.0f / z; });  // Sky: 1 / infinity is 0.
-  return inverse;
 }
 
 /// Adds to `shade` how far each pixel of row y lies behind the mean of two opposite neighbours,
-/// as a part of its depth. Sky, and pixels whose pair leaves the
-/// picture, get nothing.
-void add_pair(const CellImage& image, const std::vector<float>& inverse, int y, Step step,
-              float roughness, std::vector<float>& shade) {
+/// as a part of its depth. Sky, and pixels whose pair leaves the picture, get nothing.
+void EyeDome::add_pair(int y, Step step, std::span<float> shade) const {
   const int margin = std::abs(step.dx);
-  if (y - std::abs(step.dy) < 0 || y + std::abs(step.dy) >= image.height) return;
-  const std::ptrdiff_t offset = std::ptrdiff_t{step.dy} * image.width + step.dx;
-  const std::size_t row = image.index(0, y);
-  for (int x = margin; x < image.width - margin; ++x) {
-    const float* w = inverse.data() + row + x;
-    const float z = image.z[row + static_cast<std::size_t>(x)];
-    const float before = (0.5f * (w[offset] + w[-offset]) - *w) * z - roughness * *w;
-    if (before > 0 && *w > 0)
-      shade[static_cast<std::size_t>(x)] += std::min(before, kMostOfOnePair);
+  if (y - std::abs(step.dy) < 0 || y + std::abs(step.dy) >= image_.height) return;
+  const std::ptrdiff_t offset = std::ptrdiff_t{step.dy} * image_.width + step.dx;
+  const float* z = image_.z.data() + image_.index(0, y);
+  const float* w = inverse_.data() + image_.index(0, y);
+  float* sum = shade.data();
+  const float roughness = roughness_;
+  for (int x = margin; x < image_.width - margin; ++x) {
+    const float before = (0.5f * (w[x + offset] + w[x - offset]) - w[x]) * z[x] - roughness * w[x];
+    const float some = before > 0 ? before : 0.0f;  // Sky: not a number, so nothing.
+    sum[x] += some < kMostOfOnePair ? some : kMostOfOnePair;
   }
 }
 
-}  // namespace
+void EyeDome::row(int y, std::span<float> light) const {
+  constexpr std::array<Step, 4> kPairs = {{{1, 0}, {0, 1}, {1, 1}, {1, -1}}};
+  std::fill(light.begin(), light.end(), 0.0f);
+  for (const int reach : kReach) {
+    for (const Step pair : kPairs) add_pair(y, {pair.dx * reach, pair.dy * reach}, light);
+  }
+  const float* z = image_.z.data() + image_.index(0, y);
+  for (std::size_t x = 0; x < light.size(); ++x) {
+    // Most of a picture lies behind nothing.
+    light[x] = light[x] == 0 || z[x] == CellImage::kNowhere
+                   ? 1.0f
+                   : std::max(kDarkest, std::exp(-kStrength * light[x]));
+  }
+}
 
 std::vector<float> eye_dome_light(const CellImage& image, float roughness) {
-  const auto inverse = inverse_depths(image);
+  const EyeDome dome(image, roughness);
   std::vector<float> light(image.z.size());
-  std::vector<float> shade(static_cast<std::size_t>(image.width));
   for (int y = 0; y < image.height; ++y) {
-    std::fill(shade.begin(), shade.end(), 0.0f);
-    for (const int reach : kReach) {
-      for (const Step pair : kPairs) {
-        add_pair(image, inverse, y, {pair.dx * reach, pair.dy * reach}, roughness, shade);
-      }
-    }
-    std::transform(shade.begin(), shade.end(),
-                   light.begin() + static_cast<std::ptrdiff_t>(image.index(0, y)),
-                   [](float s) { return std::max(kDarkest, std::exp(-kStrength * s)); });
+    dome.row(y, std::span(light).subspan(image.index(0, y), static_cast<std::size_t>(image.width)));
   }
   return light;
 }

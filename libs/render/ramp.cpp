@@ -59,4 +59,10 @@ Rgb depth_colour(int depth) {
   return kColours[static_cast<std::size_t>(std::clamp(depth, 0, 7))];
 }
 
+HeightColours::HeightColours(Rgb (*colour)(double), double rise) : steps_per_metre_(kSteps / rise) {
+  for (std::size_t i = 0; i < table_.size(); ++i) {
+    table_[i] = colour(static_cast<double>(i) / kSteps);
+  }
+}
+
 }  // namespace voxatlas

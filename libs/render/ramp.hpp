@@ -1,5 +1,9 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <cstddef>
+
 #include "octree/colour.hpp"
 
 namespace voxatlas {
@@ -15,6 +19,22 @@ Rgb height_colour(double part_of_height);
 
 /// What has no colour of its own: slate on the ground, ochre as high as cars are, cream above.
 Rgb neutral_colour(double part_of_height);
+
+/// Either of these in steps, so that a cell costs a look instead of a root.
+class HeightColours {
+ public:
+  /// `rise`: the scene's height, metres.
+  HeightColours(Rgb (*colour)(double), double rise);
+  Rgb at(double metres) const {
+    const double step = metres > 0 ? metres * steps_per_metre_ : 0;
+    return table_[static_cast<std::size_t>(std::min<double>(step, kSteps))];
+  }
+
+ private:
+  static constexpr int kSteps = 1000;
+  double steps_per_metre_;
+  std::array<Rgb, kSteps + 1> table_{};
+};
 
 /// For the eight depths of a tile, told apart easily.
 Rgb depth_colour(int depth);

@@ -9,7 +9,9 @@
 
 #include "geodesy/ecef.hpp"
 #include "render/eye_dome.hpp"
+#include "render/light.hpp"
 #include "render/ramp.hpp"
+#include "render/scene_heights.hpp"
 
 namespace voxatlas {
 namespace {
@@ -17,7 +19,6 @@ namespace {
 constexpr std::array kNames = {"rgb", "height", "probability", "depth"};
 
 /// Of all cells' heights; every so many are enough.
-constexpr double kGroundShare = 0.05, kTopShare = 0.99;
 constexpr std::uint64_t kHeightSamples = 100'000;
 
 /// The height of a cloud's cells is affine in their place: base + centre * slope.
@@ -36,62 +37,6 @@ struct HeightPlane {
   }
 };
 
-/// A ramp in steps, so that a cell costs a look instead of a root.
-class HeightColours {
- public:
-  HeightColours(Rgb (*colour)(double), double rise) : steps_per_metre_(kSteps / rise) {
-    for (std::size_t i = 0; i < table_.size(); ++i) {
-      table_[i] = colour(static_cast<double>(i) / kSteps);
-    }
-  }
-  Rgb at(double metres) const {
-    const double step = metres > 0 ? metres * steps_per_metre_ : 0;
-    return table_[static_cast<std::size_t>(std::min<double>(step, kSteps))];
-  }
-
- private:
-  static constexpr int kSteps = 1000;
-  double steps_per_metre_;
-  std::array<Rgb, kSteps + 1> table_{};
-};
-
-Rgb lit(Rgb colour, float light) {
-  const auto channel = [light](std::uint8_t x) {
-    return static_cast<std::uint8_t>(static_cast<float>(x) * light + 0.5f);
-  };
-  return {channel(colour.r), channel(colour.g), channel(colour.b)};
-}
-
-/// What falls on a surface of cells from a high sun; surfaces turned from it keep half their light.
-class Sun {
- public:
-  Sun(const Camera& camera, const Grid& grid, const Eigen::Vector3d& up)
-      : camera_(camera), grid_(grid) {
-    const Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();
-    const Eigen::Vector3d across = axis.cross(up);  // East; at the poles any way will do.
-    const Eigen::Vector3d east = across.norm() > 1e-9 ? across.normalized() : up.unitOrthogonal();
-    const Eigen::Vector3d south = east.cross(up);
-    direction_ = (0.8 * up + 0.25 * east + 0.5 * south).normalized();
-  }
-
-  float on(const DrawnCell& cell, TileKey key) const {
-    Eigen::Vector3d normal(cell.normal[0], cell.normal[1], cell.normal[2]);
-    if (normal.isZero()) return kWithoutNormal;
-    const Eigen::Vector3d sight = grid_.min_corner(key) - camera_.position() +
-                                  cell.centre_voxels().cast<double>() / grid_.cells_per_metre();
-    if (normal.dot(sight) > 0) normal = -normal;  // The side that is seen.
-    const double cosine = normal.normalized().dot(direction_);
-    return static_cast<float>(kShade + (1 - kShade) * (0.5 + 0.5 * cosine));
-  }
-
- private:
-  static constexpr float kWithoutNormal = 0.8f;
-  static constexpr double kShade = 0.35;
-  const Camera& camera_;
-  const Grid& grid_;
-  Eigen::Vector3d direction_;
-};
-
 /// Looks a cell's colour up by its number.
 class CellColours {
  public:
@@ -102,14 +47,17 @@ class CellColours {
         grid_(grid),
         heights_(heights),
         colouring_(colouring),
-        sun_(camera, grid, heights.up_ecef),
+        sun_(heights.up_ecef),
         by_height_(colouring == Colouring::kHeight ? height_colour : neutral_colour, heights.rise) {
   }
 
   Rgb of(std::uint32_t number) const {
     const auto found = numbers_.find(number);
     const DrawnCell& cell = numbers_.cell(found);
-    return lit(own(found, cell), sun_.on(cell, numbers_.cloud(found).key));
+    const Eigen::Vector3d normal(cell.normal[0], cell.normal[1], cell.normal[2]);
+    const Eigen::Vector3d sight = grid_.min_corner(numbers_.cloud(found).key) - camera_.position() +
+                                  cell.centre_voxels().cast<double>() / grid_.cells_per_metre();
+    return lit(own(found, cell), sun_.on(normal, sight));
   }
 
  private:
@@ -131,21 +79,6 @@ class CellColours {
   Sun sun_;
   HeightColours by_height_;
 };
-
-Rgb mix(Rgb a, Rgb b, double t) {
-  const auto channel = [t](std::uint8_t x, std::uint8_t y) {
-    return static_cast<std::uint8_t>(std::lround(x + t * (y - x)));
-  };
-  return {channel(a.r, b.r), channel(a.g, b.g), channel(a.b, b.b)};
-}
-
-/// By the sine of the angle above the horizon.
-Rgb sky_colour(double sine) {
-  constexpr Rgb kHorizon{214, 222, 230}, kZenith{104, 144, 196};
-  constexpr Rgb kGround{206, 209, 213}, kHaze{214, 220, 226};
-  return sine >= 0 ? mix(kHorizon, kZenith, std::min(1.0, sine * 1.6))
-                   : mix(kHaze, kGround, std::min(1.0, -sine * 6));
-}
 
 /// The edge of the cells that most pixels show: what a surface of cells is rough by.
 float roughness_of(const CellImage& cells, const CellNumbers& numbers, const Grid& grid) {
@@ -173,26 +106,17 @@ Result<Colouring> colouring_of(const std::string& name) {
 
 SceneHeights scene_heights(const Camera& camera, const Grid& grid,
                            std::span<const PlacedCloud> clouds) {
-  SceneHeights heights{up_at(camera.position()), 0};
+  const Eigen::Vector3d up = up_at(camera.position());
   const std::uint64_t every = CellNumbers(clouds).count() / kHeightSamples + 1;
   std::vector<double> samples;
   std::uint64_t skip = 0;
   for (const auto& placed : clouds) {
-    const HeightPlane plane(placed, camera, grid, heights.up_ecef);
+    const HeightPlane plane(placed, camera, grid, up);
     const auto cells = placed.cloud->cells();
     for (; skip < cells.size(); skip += every) samples.push_back(plane.of(cells[skip]));
     skip -= cells.size();
   }
-  if (samples.empty()) return heights;
-  const auto height_at = [&samples](double share) {
-    const double place = share * static_cast<double>(samples.size() - 1);
-    const auto at = samples.begin() + static_cast<std::ptrdiff_t>(place);
-    std::nth_element(samples.begin(), at, samples.end());
-    return *at;
-  };
-  heights.ground = height_at(kGroundShare);
-  heights.rise = std::clamp(height_at(kTopShare) - heights.ground, 5.0, 25.0);
-  return heights;
+  return heights_of(up, std::move(samples));
 }
 
 Image shade(const CellImage& cells, const CellNumbers& numbers, const Camera& camera,

@@ -9,6 +9,8 @@
 #include "render/camera.hpp"
 #include "render/cell_image.hpp"
 #include "render/image.hpp"
+#include "render/render_tree.hpp"
+#include "render/workers.hpp"
 
 namespace voxatlas {
 
@@ -37,6 +39,9 @@ struct SceneHeights {
 };
 SceneHeights scene_heights(const Camera& camera, const Grid& grid,
                            std::span<const PlacedCloud> clouds);
+/// The same of trees, by their cells of depth 5.
+SceneHeights scene_heights(const Camera& camera, const Grid& grid,
+                           std::span<const PlacedTree> trees);
 
 /// The picture: each cell in its colour, under a high sun from the south-east and eye-dome light;
 /// behind them the sky, lighter towards the horizon, and pale grey below it, where nothing is
@@ -44,5 +49,10 @@ SceneHeights scene_heights(const Camera& camera, const Grid& grid,
 /// Cost: some 30 ns a pixel.
 Image shade(const CellImage& cells, const CellNumbers& numbers, const Camera& camera,
             const Grid& grid, const SceneHeights& heights, Colouring colouring);
+
+/// The same of what a Splatter drew; heights are those of the points that pixels show.
+/// Cost: some 10 ns a pixel, shared by the workers.
+Image shade(const CellImage& cells, const TreeNumbers& numbers, const Camera& camera,
+            const Grid& grid, const SceneHeights& heights, Colouring colouring, Workers& workers);
 
 }  // namespace voxatlas

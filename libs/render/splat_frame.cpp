@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "render/cell_image.hpp"
 #include "render/splat_kernels.hpp"
@@ -75,12 +76,70 @@ SplatFrame::SplatFrame(const Camera& camera, const Grid& grid)
   voxel_metres = static_cast<float>(1.0 / grid.cells_per_metre());
 }
 
+/// Corners are projected one by one, so the slack is that of a corner up to 8 times nearer than the
+/// farthest: 24 times that of a middle.
+PixelRect SplatFrame::tightened(const std::array<std::int32_t, 3>& corner, int edge,
+                                const PixelRect& rect, int x0) const {
+  std::array<std::array<float, 8>, 3> p;  // Homogeneous pixels of the corners.
+  for (std::size_t row = 0; row < 3; ++row) {
+    for (unsigned octant = 0; octant < 8; ++octant) {
+      float sum = 0;
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const int face = corner[axis] + ((octant >> axis & 1u) != 0 ? edge : 0);
+        sum += project[row][axis] * (static_cast<float>(face) - in_voxel[axis]);
+      }
+      p[row][octant] = sum;
+    }
+  }
+  const auto [nearest, farthest] = std::minmax_element(p[2].begin(), p[2].end());
+  if (!(*nearest > 0.25f && *nearest * 8 > *farthest)) return rect;
+  const auto limits = [&](std::size_t row) {
+    for (std::size_t i = 0; i < 8; ++i) p[row][i] /= p[2][i];
+    const auto [low, high] = std::minmax_element(p[row].begin(), p[row].end());
+    const float widest = 20'000, slack = slack_pixels * 24;
+    return std::pair(static_cast<int>(std::clamp(*low - slack, -widest, widest) - 1),
+                     static_cast<int>(std::clamp(*high + slack, -widest, widest) + 1));
+  };
+  const auto [xa, xb] = limits(0);
+  const auto [ya, yb] = limits(1);
+  return {std::max(rect.xa, xa - x0), std::max(rect.ya, ya), std::min(rect.xb, xb - x0),
+          std::min(rect.yb, yb)};
+}
+
+/// A ray is taken from the middle of its block, in double, and a few small steps: so that one that
+/// is all but parallel to a face keeps its digits.
+void SplatStrip::invert_rays(const SplatFrame& frame, std::size_t axis) {
+  constexpr float kTiny = 1e-30f;  // Along a face: still finite, so that 0 times it is 0.
+  const auto dx = static_cast<float>(frame.ray_dx[axis]);
+  const auto dy = static_cast<float>(frame.ray_dy[axis]);
+  std::array<float, 8> steps{};
+  for (std::size_t i = 0; i < 8; ++i) steps[i] = (static_cast<float>(i) - 3.5f) * dx;
+  float* out = inverse[axis].data();
+  for (int by = 0; by < coverage.blocks_y(); ++by) {
+    for (int bx = 0; bx < coverage.blocks_x(); ++bx) {
+      const auto middle =
+          static_cast<float>(frame.ray[axis] + (x0 + bx * 8 + 4) * frame.ray_dx[axis] +
+                             (by * 8 + 4) * frame.ray_dy[axis]);
+      for (int row = 0; row < 8; ++row, out += 8) {
+        const float left = middle + (static_cast<float>(row) - 3.5f) * dy;
+        for (std::size_t i = 0; i < 8; ++i) {
+          const float ray = left + steps[i];
+          out[i] = 1.0f / (std::abs(ray) < kTiny ? std::copysign(kTiny, ray) : ray);
+        }
+      }
+    }
+  }
+}
+
 void SplatStrip::reset(const SplatFrame& frame, int first_column, int columns) {
   x0 = first_column;
   width = columns;
   coverage.reset(columns, frame.height);
   const std::size_t count = coverage.block_index(0, coverage.blocks_y()) * 64;
-  for (auto& axis : inverse) axis.resize(count);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    inverse[axis].resize(count);
+    invert_rays(frame, axis);
+  }
   cell.assign(count, CellImage::kNone);
   z.assign(count, CellImage::kNowhere);
 }

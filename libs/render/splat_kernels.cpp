@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 
 #include "render/splat_kernels.hpp"
 
@@ -55,13 +56,13 @@ struct Span {
 
 class StripPainter {
  public:
-  StripPainter(const SplatFrame& frame, SplatStrip& strip) : frame_(frame), strip_(strip) {}
+  StripPainter(const SplatFrame& frame, SplatStrip& strip);
 
-  void invert_rays();
   void paint(const SplatTile& tile);
 
  private:
-  void visit(int depth, std::uint32_t children, const Corner& corner);
+  hn::Mask<Floats> beside(const SplatFrame::Level& level, Float x, Float y, Float z) const;
+  void visit(int depth, TreeChildren children, const Corner& corner);
   ChildRects project(int depth, const Corner& corner) const;
   Span span(std::size_t row, const SplatFrame::Level& level, Float middle, Float per_z) const;
   void draw_cube(const Corner& corner, int edge, const PixelRect& rect, std::uint32_t number);
@@ -71,43 +72,26 @@ class StripPainter {
   const SplatFrame& frame_;
   SplatStrip& strip_;
   const SplatTile* tile_ = nullptr;
+  std::array<float, 4> sides_{};  // Left, right, upper, lower: pixels of the picture,
+  std::array<float, 4> reach_{};  // and how far a cube with half an edge of 1 reaches across.
   std::array<float, 3> low_{}, high_{};  // The faces of the cube being drawn.
 };
 
-/// A ray is taken from the middle of its block, in double, and a few small steps: so that one that
-/// is all but parallel to a face keeps its digits.
-void StripPainter::invert_rays() {
-  const Coverage& coverage = strip_.coverage;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto dx = static_cast<float>(frame_.ray_dx[axis]);
-    const auto dy = static_cast<float>(frame_.ray_dy[axis]);
-    alignas(64) std::array<float, 8> steps{};
-    for (int i = 0; i < 8; ++i)
-      steps[static_cast<std::size_t>(i)] = (static_cast<float>(i) - 3.5f) * dx;
-    for (int by = 0; by < coverage.blocks_y(); ++by) {
-      for (int bx = 0; bx < coverage.blocks_x(); ++bx) {
-        const auto middle =
-            static_cast<float>(frame_.ray[axis] + (strip_.x0 + bx * 8 + 4) * frame_.ray_dx[axis] +
-                               (by * 8 + 4) * frame_.ray_dy[axis]);
-        float* out = strip_.inverse[axis].data() + coverage.block_index(bx, by) * 64;
-        for (int row = 0; row < 8; ++row, out += 8) {
-          const Float left = all(middle + (static_cast<float>(row) - 3.5f) * dy);
-          for (std::size_t i = 0; i < 8; i += hn::Lanes(kFloats)) {
-            const Float ray = hn::Add(left, hn::Load(kFloats, steps.data() + i));
-            // Along a face: still finite, so that 0 times it is 0.
-            const Float least = hn::CopySign(all(1e-30f), ray);
-            const auto tiny = hn::Lt(hn::Abs(ray), all(1e-30f));
-            hn::StoreU(hn::Div(all(1.0f), hn::IfThenElse(tiny, least, ray)), kFloats, out + i);
-          }
-        }
-      }
+StripPainter::StripPainter(const SplatFrame& frame, SplatStrip& strip)
+    : frame_(frame), strip_(strip) {
+  sides_ = {static_cast<float>(strip.x0), static_cast<float>(strip.x0 + strip.width), 0,
+            static_cast<float>(frame.height)};
+  for (std::size_t side = 0; side < 4; ++side) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      reach_[side] +=
+          std::abs(frame.project[side / 2][axis] - sides_[side] * frame.project[2][axis]);
     }
   }
 }
 
 void StripPainter::paint(const SplatTile& tile) {
   tile_ = &tile;
-  visit(0, 1, tile.corner);  // As the only child of a node twice as large.
+  visit(0, {1, 0}, tile.corner);  // As the only child of a node twice as large.
 }
 
 /// A corner at offset o from a middle m falls |o.x - u o.z| / (m.z + o.z) from u = m.x / m.z at
@@ -123,6 +107,22 @@ Span StripPainter::span(std::size_t row, const SplatFrame::Level& level, Float m
       hn::Add(hn::Mul(hn::Mul(reach, all(level.half * 1.01f)), per_z), all(frame_.slack_pixels));
   const Float at = hn::Sub(middle, all(0.5f));
   return {hn::Ceil(hn::Sub(at, pixels)), hn::Floor(hn::Add(at, pixels))};
+}
+
+/// Cubes that lie beside the strip as a whole: behind one of the four planes through its sides and
+/// the eye. It holds for cubes around the eye's own plane, too, which fall on no pixels one could
+/// name.
+hn::Mask<Floats> StripPainter::beside(const SplatFrame::Level& level, Float x, Float y,
+                                      Float z) const {
+  // What rounding may do, as in SplatFrame, times the z that a point of the cube may have.
+  const Float slack = hn::Mul(all(frame_.slack_pixels), hn::Add(z, all(3 * level.reach_z)));
+  const auto behind = [&](std::size_t side, Float inwards) {
+    return hn::Lt(hn::Add(hn::Add(inwards, all(level.half * reach_[side])), slack), all(0));
+  };
+  const auto across = hn::Or(behind(0, hn::Sub(x, hn::Mul(all(sides_[0]), z))),
+                             behind(1, hn::Sub(hn::Mul(all(sides_[1]), z), x)));
+  const auto down = hn::Or(behind(2, y), behind(3, hn::Sub(hn::Mul(all(sides_[3]), z), y)));
+  return hn::Or(across, down);
 }
 
 ChildRects StripPainter::project(int depth, const Corner& corner) const {
@@ -155,7 +155,7 @@ ChildRects StripPainter::project(int depth, const Corner& corner) const {
     const Float ya = hn::IfThenElse(ahead, hn::Max(down.first, left), left);
     const Float yb = hn::IfThenElse(ahead, hn::Min(down.last, bottom), bottom);
     const auto seen = hn::And(in_range, hn::And(hn::Le(xa, xb), hn::Le(ya, yb)));
-    rects.visible |= bits_of(seen) << i;
+    rects.visible |= bits_of(hn::AndNot(beside(level, x, y, z), seen)) << i;
     // Unseen lanes may hold anything: hold them within what an int takes.
     hn::Store(hn::ConvertTo(kInts, hn::Min(xa, right)), kInts, rects.xa.data() + i);
     hn::Store(hn::ConvertTo(kInts, hn::Max(xb, left)), kInts, rects.xb.data() + i);
@@ -167,35 +167,42 @@ ChildRects StripPainter::project(int depth, const Corner& corner) const {
 
 /// The children of one node, which have this depth, nearest first: whatever ray leaves the eye, it
 /// enters octants in the order of how many of the three middle planes it has crossed.
-void StripPainter::visit(int depth, std::uint32_t children, const Corner& corner) {
+void StripPainter::visit(int depth, TreeChildren children, const Corner& corner) {
   const ChildRects rects = project(depth, corner);
-  const std::uint32_t mask = children & 0xff;
-  if ((mask & rects.visible) == 0) return;
+  const std::uint32_t seen = children.octants & rects.visible;
+  if (seen == 0) return;
   const int edge = 1 << (kDepth - depth);
   std::uint32_t nearest = 0;  // The octant on the eye's side of each middle plane.
   for (std::size_t axis = 0; axis < 3; ++axis)
     nearest |= (corner[axis] + edge <= 0 ? 1u : 0u) << axis;
   for (std::uint32_t step = 0; step < 8; ++step) {
     const std::uint32_t octant = step ^ nearest;
-    if ((mask & rects.visible & 1u << octant) == 0) continue;
+    if ((seen & 1u << octant) == 0) continue;
     const PixelRect rect{rects.xa[octant], rects.ya[octant], rects.xb[octant], rects.yb[octant]};
     if (strip_.cull && strip_.coverage.covers(rect)) continue;
     const std::uint32_t node =
-        (children >> 8) + static_cast<std::uint32_t>(std::popcount(mask & ((1u << octant) - 1)));
+        children.first +
+        static_cast<std::uint32_t>(std::popcount(children.octants & ((1u << octant) - 1)));
     const Corner child{corner[0] + (octant & 1 ? edge : 0), corner[1] + (octant & 2 ? edge : 0),
                        corner[2] + (octant & 4 ? edge : 0)};
-    if (depth < tile_->depth && (tile_->children[node] & 0xff) != 0) {
-      visit(depth + 1, tile_->children[node], child);
-    } else {
-      draw_cube(child, edge, rect, tile_->first_number + node);
+    if (depth < tile_->depth) {
+      if (const auto below = children_of(tile_->links, node); below.octants != 0) {
+        visit(depth + 1, below, child);
+        continue;
+      }
     }
+    draw_cube(child, edge, rect, tile_->first_number + node);
   }
 }
 
 /// Exactly the pixels whose ray meets the cube. Neighbours share their faces to the bit, so no ray
 /// slips between them.
-void StripPainter::draw_cube(const Corner& corner, int edge, const PixelRect& rect,
+void StripPainter::draw_cube(const Corner& corner, int edge, const PixelRect& where,
                              std::uint32_t number) {
+  constexpr int kLarge = 3 * Coverage::kBlock;
+  const bool large = where.xb - where.xa > kLarge || where.yb - where.ya > kLarge;
+  const PixelRect rect = large ? frame_.tightened(corner, edge, where, strip_.x0) : where;
+  if (rect.xa > rect.xb || rect.ya > rect.yb) return;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     low_[axis] = static_cast<float>(corner[axis]) - frame_.in_voxel[axis];
     high_[axis] = static_cast<float>(corner[axis] + edge) - frame_.in_voxel[axis];
@@ -266,7 +273,6 @@ std::uint64_t StripPainter::draw_pixels(std::size_t block, std::uint64_t pixels,
 
 void splat_strip(const SplatFrame& frame, std::span<const SplatTile> tiles, SplatStrip& strip) {
   StripPainter painter(frame, strip);
-  painter.invert_rays();
   for (const SplatTile& tile : tiles) painter.paint(tile);
 }
 

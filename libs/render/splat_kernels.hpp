@@ -8,6 +8,7 @@
 #include "grid/cell_key.hpp"
 #include "render/camera.hpp"
 #include "render/coverage.hpp"
+#include "render/render_tree.hpp"
 
 namespace voxatlas {
 
@@ -26,6 +27,11 @@ struct SplatFrame {
     float reach_z;  ///< From a cell's middle to its nearest corner along the camera's axis.
   };
 
+  /// The pixels of a cube in a strip at x0, within `rect`: those between the outermost of its
+  /// corners, where all are well ahead. What the kernels reckon is too wide for large cubes.
+  PixelRect tightened(const std::array<std::int32_t, 3>& corner, int edge, const PixelRect& rect,
+                      int x0) const;
+
   int width, height;
   VoxelIndex eye;                               ///< The eye's voxel,
   std::array<float, 3> in_voxel;                ///< and where in it, 0..1.
@@ -40,10 +46,10 @@ struct SplatFrame {
 
 /// A tile to draw.
 struct SplatTile {
-  std::array<std::int32_t, 3> corner{};     ///< Lower corner, voxels from the eye's voxel.
-  const std::uint32_t* children = nullptr;  ///< RenderTree::children().
-  std::uint32_t first_number = 0;           ///< Of the root in the CellImage.
-  int depth = kDepth;                       ///< Nodes of this depth are drawn whole.
+  std::array<std::int32_t, 3> corner{};  ///< Lower corner, voxels from the eye's voxel.
+  const TreeLinks* links = nullptr;      ///< RenderTree::links().
+  std::uint32_t first_number = 0;        ///< Of the root in the CellImage.
+  int depth = kDepth;                    ///< Nodes of this depth are drawn whole.
 };
 
 /// A strip of the picture while it is drawn: columns x0 .. x0 + width - 1.
@@ -54,11 +60,14 @@ struct SplatStrip {
   int x0 = 0, width = 0;
   bool cull = true;  ///< Pass over what is covered. Off only to measure what that gains.
   Coverage coverage;
-  std::vector<float> inverse[3];  ///< 1 / the pixel's ray, by axis.
+  std::array<std::vector<float>, 3> inverse;  ///< 1 / the pixel's ray, by axis.
   std::vector<std::uint32_t> cell;
   std::vector<float> z;  ///< Metres.
 
   void reset(const SplatFrame& frame, int first_column, int columns);
+
+ private:
+  void invert_rays(const SplatFrame& frame, std::size_t axis);
 };
 
 /// Draws tiles, nearest first, into a strip. The instructions are chosen at run time (Highway);

@@ -56,7 +56,7 @@ std::vector<SplatTile> tiles_to_draw(const Camera& camera, const Grid& grid,
       ordered.steps += std::abs((corner[axis] >> kDepth) - (frame.eye[axis] >> kDepth));
       ordered.tile.corner[static_cast<std::size_t>(axis)] = corner[axis] - frame.eye[axis];
     }
-    ordered.tile.children = placed.tree->children().data();
+    ordered.tile.links = placed.tree->links().data();
     ordered.tile.first_number = numbers.first_of(i);
     ordered.tile.depth = depth_for(frame, camera, ordered.tile, options);
     seen.push_back(ordered);

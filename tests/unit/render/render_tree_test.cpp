@@ -1,5 +1,6 @@
 #include "render/render_tree.hpp"
 
+#include <Eigen/Geometry>
 #include <catch2/catch.hpp>
 #include <map>
 #include <random>
@@ -31,10 +32,10 @@ void walk(const RenderTree& tree, std::uint32_t node, CellKey cell,
           std::map<CellKey, std::uint32_t>& found) {
   REQUIRE(found.emplace(cell, node).second);
   if (cell.depth == kDepth) return;
-  const std::uint32_t children = tree.children()[node];
-  std::uint32_t child = children >> 8;
+  const TreeChildren children = tree.children(node);
+  std::uint32_t child = children.first;
   for (std::uint32_t octant = 0; octant < 8; ++octant) {
-    if ((children & 1u << octant) != 0) walk(tree, child++, cell.child(octant), found);
+    if ((children.octants & 1u << octant) != 0) walk(tree, child++, cell.child(octant), found);
   }
 }
 
@@ -58,12 +59,30 @@ TEST_CASE("a render tree has the tile's occupied cells at every depth", "[render
         const std::uint32_t node = at->second;
         REQUIRE(tree.key_of(node) == leaf.cell);
         REQUIRE(tree.depth_of(node) == leaf.cell.depth);
-        REQUIRE(tree.paint(node).log_odds == leaf.state.log_odds);
-        REQUIRE((tree.paint(node).coloured != 0) == leaf.state.colour.exists());
-        if (leaf.state.colour.exists()) REQUIRE(tree.paint(node).rgb == leaf.state.colour.rgb());
+        REQUIRE(leaf.state.log_odds - tree.paint(node).log_odds() <= 127);
+        REQUIRE(leaf.state.log_odds >= tree.paint(node).log_odds());
+        REQUIRE(tree.paint(node).coloured() == leaf.state.colour.exists());
+        if (leaf.state.colour.exists()) REQUIRE(tree.paint(node).rgb() == leaf.state.colour.rgb());
       });
       REQUIRE(tree.cell_count(depth) == cells);
     }
+  }
+}
+
+TEST_CASE("a paint keeps a normal to two degrees", "[render_tree]") {
+  auto rng = test::engine();
+  std::normal_distribution<float> side;
+  REQUIRE(CellPaint({100, {}}, Eigen::Vector3f::Zero()).normal().isZero());
+  for (int i = 0; i < 20'000; ++i) {
+    Eigen::Vector3f normal(side(rng), side(rng), side(rng));
+    for (int axis = 0; axis < 3; ++axis) {
+      if (i % 5 == axis) normal[axis] = 0;
+    }
+    normal.normalize();
+    const Eigen::Vector3f kept = CellPaint({100, {}}, normal).normal();
+    CAPTURE(normal.transpose(), kept.transpose());
+    REQUIRE(kept.cross(normal).norm() < 0.035f);
+    REQUIRE(kept.dot(normal) > 0);
   }
 }
 
@@ -75,7 +94,8 @@ TEST_CASE("a tile with nothing occupied has an empty render tree", "[render_tree
   tile.set({0, 0}, {100, {}});
   const RenderTree full(tile);
   REQUIRE(full.node_count() == 1);
-  REQUIRE(full.children().size() == 1);
+  REQUIRE(full.links().size() == 1);
+  REQUIRE(full.children(0).octants == 0);
   REQUIRE(full.cell_count(0) == 1);
   REQUIRE(full.cell_count(7) == 1);
 }

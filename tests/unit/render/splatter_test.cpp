@@ -262,8 +262,8 @@ TEST_CASE("a threshold of pixels draws far tiles with larger cells", "[splat]") 
       const int depth = numbers.depth(found);
       deepest = std::max(deepest, depth);
       // No cell that has children below it is wider than the threshold.
-      const auto children = numbers.tree(found).tree->children();
-      const bool cut = found.node < children.size() && (children[found.node] & 0xff) != 0;
+      const bool cut =
+          depth < kDepth && numbers.tree(found).tree->children(found.node).octants != 0;
       if (cut) REQUIRE(camera.lens().fx * grid.cell_length(depth) / image.z[at] <= 4.001);
     }
     // The deepest cells drawn are no finer than they need be.

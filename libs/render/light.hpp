@@ -1,0 +1,53 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+
+#include "octree/colour.hpp"
+
+namespace voxatlas {
+
+/// A colour under light: each channel times it, 0..1.
+inline Rgb lit(Rgb colour, float light) {
+  const auto channel = [light](std::uint8_t x) {
+    return static_cast<std::uint8_t>(static_cast<float>(x) * light + 0.5f);
+  };
+  return {channel(colour.r), channel(colour.g), channel(colour.b)};
+}
+
+/// What falls on a surface of cells from a high sun in the south-east; surfaces turned from it keep
+/// half their light.
+class Sun {
+ public:
+  explicit Sun(const Eigen::Vector3d& up_ecef);
+
+  /// On a surface with this normal, either way round, of any length, which is seen along `sight`;
+  /// without a normal (zero) an even light.
+  float on(Eigen::Vector3d normal, const Eigen::Vector3d& sight) const {
+    if (normal.isZero()) return kWithoutNormal;
+    if (normal.dot(sight) > 0) normal = -normal;  // The side that is seen.
+    const double cosine = normal.normalized().dot(direction_);
+    return static_cast<float>(kShade + (1 - kShade) * (0.5 + 0.5 * cosine));
+  }
+
+ private:
+  static constexpr float kWithoutNormal = 0.8f;
+  static constexpr double kShade = 0.35;
+  Eigen::Vector3d direction_;
+};
+
+/// By the sine of the angle above the horizon.
+Rgb sky_colour(double sine);
+
+/// The same in steps of 1/500, so that a pixel costs a look.
+class SkyColours {
+ public:
+  SkyColours();
+  Rgb at(double sine) const { return table_[static_cast<std::size_t>((sine + 1) * kSteps + 0.5)]; }
+
+ private:
+  static constexpr int kSteps = 500;
+  std::array<Rgb, 2 * kSteps + 2> table_{};
+};
+
+}  // namespace voxatlas
