@@ -2,76 +2,40 @@
 //
 //   bench_render [--data DIR --poses FILE] [--scans N] [--out DIR]
 //
-// Integrates scans, in KITTI form or of the simulated drive, and draws the street view and the
-// oblique view at depths 0..7: the median of several pictures a line, as "name value unit". With
-// --out also PNGs to look at.
+// Integrates scans, in KITTI form or of the simulated drive, and draws a street view, one from 20 m
+// above it and one from 65 m: the median of several pictures a line, as "name value unit", beside
+// the paper's table 1 and the GL backend. With --out also the GL backend depth by depth, and PNGs
+// to look at.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
-#include <functional>
 #include <map>
 
 #include "base/utime.hpp"
-#include "integrate/integrator.hpp"
-#include "io/kitti.hpp"
-#include "octree/tile_tree.hpp"
+#include "bench/render_model.hpp"
+#include "bench/render_splat.hpp"
 #include "render/frustum.hpp"
 #include "render/picture.hpp"
 #include "render/viewpoints.hpp"
-#include "sim/drive.hpp"
 
 namespace voxatlas {
 namespace {
 
 struct Options {
-  std::string data, poses = "poses.txt", out, colouring = "rgb";
-  std::size_t scans = 200;
-  int repeat = 5;
+  bench::ModelSource source;
+  std::string out, colouring = "rgb";
+  int repeat = 20, gl_repeat = 5;
   int width = 1280, height = 720;
 };
 
-using Model = std::map<TileKey, TileTree>;
+using bench::Model;
+using bench::or_throw;
 
 struct Timing {
   double draw_ms, shade_ms;
 };
-
-template <class T>
-T or_throw(Result<T> result) {
-  if (!result) throw std::runtime_error(result.error().message);
-  return std::move(*result);
-}
-
-using EachScan = std::function<void(const SensorScan&)>;
-
-void read_scans(const Options& options, const EachScan& each) {
-  const auto folder = or_throw(KittiFolder::open(options.data, {options.poses, std::nullopt}));
-  for (std::size_t i = 0; i < std::min(options.scans, folder.scan_count()); ++i) {
-    each(or_throw(folder.read(i)).scan);
-  }
-}
-
-void simulate_scans(const Options& options, const EachScan& each) {
-  const City city = or_throw(City::create({}));
-  DriveOptions how;
-  how.scans = options.scans;
-  const Drive drive = or_throw(Drive::create(city, how));
-  for (std::size_t i = 0; i < drive.scan_count(); ++i) each(drive.simulate(i));
-}
-
-Model integrate(const Options& options, const Grid& grid) {
-  Integrator integrator(grid, IntegrationParameters{});
-  Model model;
-  const auto each = [&](const SensorScan& scan) {
-    const auto delta = or_throw(integrator.integrate(to_scan(scan, 0.02, 2.5)));
-    for (const auto& [key, tile] : delta.tiles) model[key].apply(tile, SensorModel::standard());
-  };
-  options.data.empty() ? simulate_scans(options, each) : read_scans(options, each);
-  return model;
-}
 
 class Clouds {
  public:
@@ -103,19 +67,6 @@ class Clouds {
   double build_ms_ = 0;
 };
 
-std::vector<TileWeight> weigh(const Model& model) {
-  std::vector<TileWeight> weights;
-  for (const auto& [key, tree] : model) weights.push_back({key, tree.counts().occupied_voxels});
-  return weights;
-}
-
-void write(const std::filesystem::path& path, const Bytes& bytes) {
-  std::ofstream out(path, std::ios::binary);
-  out.write(reinterpret_cast<const char*>(bytes.data()),
-            static_cast<std::streamsize>(bytes.size()));
-  if (!out) throw std::runtime_error("cannot write " + path.string());
-}
-
 Timing median(std::vector<Timing> timings) {
   std::sort(timings.begin(), timings.end(), [](const Timing& a, const Timing& b) {
     return a.draw_ms + a.shade_ms < b.draw_ms + b.shade_ms;
@@ -129,7 +80,7 @@ void draw(const Options& options, PictureMaker& maker, const Grid& grid, const C
   const PictureOptions how{or_throw(colouring_of(options.colouring)), true};
   std::vector<Timing> timings;
   Picture picture;
-  for (int i = 0; i < options.repeat; ++i) {
+  for (int i = 0; i < options.gl_repeat; ++i) {
     picture = or_throw(maker.make(camera, grid, in_view, how));
     timings.push_back({picture.draw_ms, picture.shade_ms});
   }
@@ -142,18 +93,13 @@ void draw(const Options& options, PictureMaker& maker, const Grid& grid, const C
       name, typical.draw_ms, typical.shade_ms, static_cast<double>(steady_utime() - start) / 1000,
       jpeg.quality, picture.cells_drawn);
   if (options.out.empty()) return;
-  write(std::filesystem::path(options.out) / (name + ".png"), or_throw(encode_png(picture.image)));
+  bench::write_file(std::filesystem::path(options.out) / (name + ".png"),
+                    or_throw(encode_png(picture.image)));
 }
 
-void run(const Options& options) {
-  const Grid grid = Grid::standard();
-  const Model model = integrate(options, grid);
-  const auto weights = weigh(model);
-  const ViewSize size{options.width, options.height};
-  const Clouds finest(model, kDepth);
-  const Camera street =
-      or_throw(street_view(grid, weights, finest.placed(street_tiles(grid, weights)), size));
-  const Camera oblique = or_throw(oblique_view(grid, weights, size));
+/// The GL backend, depth by depth, with its pictures.
+void draw_all_depths(const Options& options, const Grid& grid, const Model& model,
+                     const Camera& street, const Camera& oblique) {
   auto maker = or_throw(PictureMaker::create());
   for (int depth = kDepth; depth >= 0; --depth) {
     const Clouds clouds(model, depth);
@@ -164,16 +110,42 @@ void run(const Options& options) {
   }
 }
 
+/// Where to stand is sought in the tiles around the densest place alone: the rest need not be
+/// drawn.
+Camera find_street(const Grid& grid, const Model& model, const std::vector<TileWeight>& weights,
+                   const ViewSize& size) {
+  Model around;
+  for (const TileKey key : street_tiles(grid, weights)) around.emplace(key, model.at(key));
+  const Clouds clouds(around, kDepth);
+  return or_throw(street_view(grid, weights, clouds.placed(street_tiles(grid, weights)), size));
+}
+
+void run(const Options& options) {
+  const Grid grid = Grid::standard();
+  const Model model = bench::make_model(options.source, grid);
+  const auto weights = bench::weigh(model);
+  const ViewSize size{options.width, options.height};
+  const Camera street = find_street(grid, model, weights, size);
+  bench::measure_splatter(model, grid, street, options.repeat, options.out);
+  if (options.out.empty()) return;
+  draw_all_depths(options, grid, model, street, or_throw(oblique_view(grid, weights, size)));
+}
+
 }  // namespace
 }  // namespace voxatlas
 
 int main(int argc, char** argv) {
   voxatlas::Options options;
   CLI::App app{"times of pictures, depth by depth"};
-  app.add_option("--data", options.data, "folder of scans in KITTI form; else simulated");
-  app.add_option("--poses", options.poses, "its pose file");
-  app.add_option("--scans", options.scans, "at most so many scans");
+  app.add_option("--data", options.source.data, "folder of scans in KITTI form; else simulated");
+  app.add_option("--poses", options.source.poses, "its pose file");
+  app.add_option("--scans", options.source.scans, "at most so many scans");
+  app.add_option("--speed", options.source.speed, "of the simulated car, metres a second");
+  app.add_option("--azimuth-step", options.source.azimuth_step_deg, "of its scanners, degrees");
+  app.add_option("--cache", options.source.cache, "file that keeps the model for the next run");
   app.add_option("--repeat", options.repeat, "pictures a line")->check(CLI::Range(1, 1000));
+  app.add_option("--gl-repeat", options.gl_repeat, "pictures a line of the GL backend by depth")
+      ->check(CLI::Range(1, 1000));
   app.add_option("--width", options.width, "pixels")->check(CLI::Range(1, 8192));
   app.add_option("--height", options.height, "pixels")->check(CLI::Range(1, 8192));
   app.add_option("--colouring", options.colouring, "rgb, height, probability or depth");
