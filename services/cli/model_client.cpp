@@ -38,10 +38,13 @@ ModelClient::TileRow read_row(ByteReader& reader, bool details) {
 Result<std::unique_ptr<ModelClient>> ModelClient::connect(const std::string& url) {
   auto client = std::make_unique<ModelClient>();
   client->self_ = Endpoint::for_this_client();
+  client->id_ = random_id();
   auto bus = Bus::create(url);
   if (!bus) return pass_on(bus);
   client->bus_ = std::move(*bus);
-  auto in = InLink::create(*client->bus_, client->self_, ConsumerConfig{});
+  ConsumerConfig config;
+  config.client = client->id_;
+  auto in = InLink::create(*client->bus_, client->self_, config);
   if (!in) return pass_on(in);
   client->in_ = std::move(*in);
   client->stores_ =

@@ -31,6 +31,9 @@ class ModelClient {
   InLink& in() { return *in_; }
   StoreClient& stores() { return *stores_; }
   std::int32_t port_offset() const { return self_.port_offset(); }
+  /// Random, for requests: streams that answer them are told by it, even where clients share a
+  /// port.
+  std::int64_t id() const { return id_; }
   const ModelParameters& parameters() const { return parameters_; }
   std::int64_t disk_bytes() const { return disk_bytes_; }  ///< Of all shards, at connect.
 
@@ -50,6 +53,7 @@ class ModelClient {
   Status ask_all_shards();
 
   Endpoint self_;
+  std::int64_t id_ = 0;
   std::unique_ptr<Bus> bus_;
   std::unique_ptr<InLink> in_;
   std::unique_ptr<StoreClient> stores_;

@@ -121,7 +121,7 @@ Status run_render(const RenderOptions& options) {
   auto camera = choose_camera(**client, options);
   if (!camera) return pass_on(camera);
   render_request_t request{};
-  request.client = random_id();
+  request.client = (*client)->id();
   request.id = 1;
   request.camera = to_message(*camera);
   request.depth = static_cast<std::int8_t>(options.depth);

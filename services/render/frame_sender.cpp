@@ -12,7 +12,7 @@ namespace voxatlas {
 
 Status FrameSender::send(const OutgoingFrame& out, std::int64_t now) {
   if (out.reply_port == 0) return bus_.publish(kFrameChannel, out.frame);
-  auto link = link_to(out.reply_port);
+  auto link = link_to(out.reply_port, out.frame.client);
   if (!link) return pass_on(link);
   StreamProducer& producer = (*link)->out->producer();
   if (!producer.has_room()) {
@@ -24,8 +24,9 @@ Status FrameSender::send(const OutgoingFrame& out, std::int64_t now) {
   return (*link)->out->pump(now);
 }
 
-Result<FrameSender::Link*> FrameSender::link_to(std::int32_t reply_port) {
-  if (const auto found = links_.find(reply_port); found != links_.end()) return &found->second;
+Result<FrameSender::Link*> FrameSender::link_to(std::int32_t reply_port, std::int64_t client) {
+  if (const auto found = links_.find({reply_port, client}); found != links_.end())
+    return &found->second;
   if (links_.size() >= kMaxLinks) {
     return fail(ErrorCode::kUnavailable,
                 fmt::format("client at port {}: {} others have streams already", reply_port,
@@ -33,9 +34,11 @@ Result<FrameSender::Link*> FrameSender::link_to(std::int32_t reply_port) {
   }
   auto endpoint = Endpoint::client_at(reply_port);
   if (!endpoint) return pass_on(endpoint);
-  auto out = OutLink::create(bus_, *endpoint, StreamConfig{});
+  StreamConfig config;
+  config.client = client;  // Clients may share a port: each takes only streams made for it.
+  auto out = OutLink::create(bus_, *endpoint, config);
   if (!out) return pass_on(out);
-  return &links_.emplace(reply_port, Link{std::move(*out), 0}).first->second;
+  return &links_.emplace(std::pair{reply_port, client}, Link{std::move(*out), 0}).first->second;
 }
 
 /// A stream is kept a little after its last message, as the next one may follow.

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <utility>
 
 #include "base/result.hpp"
 #include "bus/bus.hpp"
@@ -38,10 +39,10 @@ class FrameSender {
     std::int64_t last_offer = 0;
   };
   static bool done(const Link& link, std::int64_t now);
-  Result<Link*> link_to(std::int32_t reply_port);
+  Result<Link*> link_to(std::int32_t reply_port, std::int64_t client);
 
   Bus& bus_;
-  std::map<std::int32_t, Link> links_;  // By port.
+  std::map<std::pair<std::int32_t, std::int64_t>, Link> links_;  // By port and client.
 };
 
 }  // namespace voxatlas
