@@ -160,7 +160,7 @@ Result<std::unique_ptr<Bus>> Bus::create(const std::string& text) {
   state->url = url->to_string();
   state->is_hub = url->provider == "tcpq";
   state->is_multicast = url->is_multicast();
-  state->lcm = lcm_create(state->url.c_str());
+  state->lcm = lcm_create(url->with_large_buffer().to_string().c_str());
   if (state->lcm == nullptr && state->is_multicast) {
     return fail(ErrorCode::kUnavailable,
                 fmt::format("no bus at {}: LCM refuses it; without a multicast route, add one: "

@@ -115,6 +115,15 @@ Result<BusUrl> BusUrl::parse(const std::string& given) {
   return parsed;
 }
 
+BusUrl BusUrl::with_large_buffer() const {
+  BusUrl url = *this;
+  if (!is_multicast() || option("recv_buf_size") != nullptr) return url;
+  if (const auto bytes = largest_receive_buffer(); bytes > 0) {
+    url.options.emplace_back("recv_buf_size", std::to_string(bytes));
+  }
+  return url;
+}
+
 std::string BusUrl::to_string() const {
   std::string url = provider + "://";
   if (!host.empty()) url += fmt::format("{}:{}", host, port);
@@ -162,12 +171,7 @@ Result<std::string> url_at_port(const std::string& text, std::int32_t offset) {
                 fmt::format("bus URL '{}': port {} + {} is none", text, url->port, offset));
   }
   url->port += offset;
-  if (url->option("recv_buf_size") == nullptr) {
-    if (const auto bytes = largest_receive_buffer(); bytes > 0) {
-      url->options.emplace_back("recv_buf_size", std::to_string(bytes));
-    }
-  }
-  return url->to_string();
+  return url->with_large_buffer().to_string();
 }
 
 }  // namespace voxatlas

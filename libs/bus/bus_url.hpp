@@ -26,6 +26,10 @@ struct BusUrl {
   std::string to_string() const;
   const std::string* option(const std::string& key) const;  ///< nullptr where it is not given.
 
+  /// The same, asking for the largest receive buffer the kernel grants where nothing else is said:
+  /// a scan that a logger sends in one burst is more than the usual 208 kB.
+  BusUrl with_large_buffer() const;
+
   bool is_multicast() const { return provider == "udpm"; }
   /// Whether messages may leave the machine (a TTL of 1 or more): they must then fit a real
   /// network's packets.
