@@ -29,7 +29,7 @@ struct RenderConfig {
 
 /// A frame and where it goes.
 struct OutgoingFrame {
-  frame_t frame;
+  frame_t frame{};
   std::int32_t reply_port = 0;  ///< 0: to everyone, on VOXATLAS_FRAME; else by reliable stream.
 };
 
