@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "octree/brick_mask.hpp"
@@ -17,6 +18,9 @@ class BrickColours {
   BrickColours() = default;
   /// Every voxel of the brick has this colour.
   explicit BrickColours(const Colour& colour) : voxels_(kAllVoxels), colours_{colour} {}
+  /// One colour for each voxel of the mask, in voxel order.
+  BrickColours(const VoxelMask& voxels, std::vector<Colour> colours)
+      : voxels_(voxels), colours_(std::move(colours)) {}
 
   bool empty() const { return colours_.empty(); }
   const VoxelMask& voxels() const { return voxels_; }

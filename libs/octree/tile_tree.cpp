@@ -117,6 +117,14 @@ std::size_t TileTree::memory_bytes() const {
   return sizeof *this + (state_ == nullptr ? 0 : state_->bricks.memory_bytes());
 }
 
+const BrickTable* TileTree::bricks() const { return state_ == nullptr ? nullptr : &state_->bricks; }
+
+TileTree TileTree::of_bricks(BrickTable&& bricks) {
+  TileTree tree;
+  if (!bricks.is_empty()) tree.state_ = std::make_unique<State>(State{std::move(bricks)});
+  return tree;
+}
+
 bool operator==(const TileTree& a, const TileTree& b) {
   if (a.empty() || b.empty()) return a.empty() == b.empty();
   return a.state_->bricks == b.state_->bricks;

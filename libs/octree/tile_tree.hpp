@@ -14,6 +14,8 @@
 
 namespace voxatlas {
 
+class BrickTable;
+
 /// What is known of a voxel, a leaf or an inner cell.
 struct CellState {
   LogOdds log_odds = 0;
@@ -96,6 +98,12 @@ class TileTree {
 
   /// Bytes held, this object included.
   std::size_t memory_bytes() const;
+
+  /// The bricks behind the tile, for codecs, which would be slow leaf by leaf. nullptr: it has
+  /// none.
+  const BrickTable* bricks() const;
+  /// A tile of these bricks, which are settled.
+  static TileTree of_bricks(BrickTable&& bricks);
 
   /// Equal as functions of voxels, whatever their layout.
   friend bool operator==(const TileTree& a, const TileTree& b);

@@ -2,18 +2,12 @@
 
 #include <catch2/catch.hpp>
 
-#include "support/engine.hpp"
-#include "unit/octree/random_octree.hpp"
+#include "unit/codec/codec_trees.hpp"
 
 namespace voxatlas {
 namespace {
 
-TileTree random_tree(test::RandomOctree& random) {
-  TileTree tree;
-  for (auto count = random.below(60); count > 0; --count) tree.set(random.cell(), random.state());
-  for (auto count = random.below(4); count > 0; --count) tree.apply(random.delta(), random.model());
-  return tree;
-}
+using test::random_tree;
 
 TEST_CASE("a tile's nodes come back as they went", "[codec][oracle]") {
   INFO("VOX_SEED=" << test::seed());

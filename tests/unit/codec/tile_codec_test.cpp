@@ -1,36 +1,42 @@
 #include "codec/tile_codec.hpp"
 
 #include <catch2/catch.hpp>
+#include <cstdlib>
 #include <fstream>
 
 #include "base/crc32c.hpp"
 #include "codec/node_stream.hpp"
 #include "codec/zstd_frame.hpp"
-#include "support/engine.hpp"
-#include "unit/octree/random_octree.hpp"
+#include "unit/codec/codec_trees.hpp"
 
 namespace voxatlas {
 namespace {
 
-TileTree random_tree(test::RandomOctree& random) {
-  TileTree tree;
-  for (auto count = random.below(60); count > 0; --count) tree.set(random.cell(), random.state());
-  for (auto count = random.below(4); count > 0; --count) tree.apply(random.delta(), random.model());
-  return tree;
-}
+using test::golden_tree;
+using test::random_tree;
 
-/// A header as FORMAT.md states it, with a right checksum, before any content.
-Bytes sealed(std::uint8_t version, std::uint8_t codec, std::uint32_t size, ByteView content) {
+const CodecOptions kAllCodecs[] = {
+    {TileCodec::kFast}, {TileCodec::kDense}, {TileCodec::kLossy, 0, {6, 5}}};
+
+/// A header as FORMAT.md states it, with a right checksum, before any content. `middle`: what
+/// version 1 has between codec and checksum.
+Bytes sealed(std::uint8_t version, std::uint8_t codec, ByteView middle, ByteView content) {
   Bytes tile;
   ByteWriter out(tile);
   for (const char letter : {'V', 'X', 'T', 'L'}) out.put(letter);
   out.put(version);
   out.put(codec);
-  out.put(size);
+  out.put_bytes(middle);
   const auto sum = crc32c(content, crc32c(tile));
   out.put(sum);
   out.put_bytes(content);
   return tile;
+}
+
+Bytes sealed_v1(std::uint8_t codec, std::uint32_t size, ByteView content) {
+  Bytes middle;
+  ByteWriter(middle).put(size);
+  return sealed(1, codec, middle, content);
 }
 
 Bytes frame_of(ByteView content) {
@@ -39,7 +45,10 @@ Bytes frame_of(ByteView content) {
   return frame;
 }
 
-TEST_CASE("a tile survives both codecs, at any level", "[codec][oracle]") {
+ErrorCode error_of(const Bytes& bytes) { return decode_tile(bytes).error().code; }
+
+TEST_CASE("a tile survives the exact codecs, at any level, and says which it is",
+          "[codec][oracle]") {
   INFO("VOX_SEED=" << test::seed());
   test::RandomOctree random(test::seed());
   for (int i = 0; i < 100; ++i) {
@@ -48,37 +57,70 @@ TEST_CASE("a tile survives both codecs, at any level", "[codec][oracle]") {
     const auto bytes = encode_tile(tree, {codec, static_cast<int>(random.below(20))});
     REQUIRE(codec_of(bytes).value() == codec);
     REQUIRE(decode_tile(bytes).value() == tree);
-    REQUIRE(bytes.size() <= encode_nodes(tree).size() + 64);
+    REQUIRE(quantization_of(bytes).error().code == ErrorCode::kInvalid);
+    const auto counts = tree.counts();
+    const auto raw = 8 * (counts.leaves + counts.inner) + counts.coloured_leaves * 8;
+    REQUIRE(bytes.size() <= raw + 64);
+  }
+}
+
+TEST_CASE("a lossy tile is its quantised tile, exactly, and says how", "[codec][oracle]") {
+  test::RandomOctree random(test::seed());
+  for (int i = 0; i < 40; ++i) {
+    const auto tree = test::scanned_tree(random);
+    const Quantization how{1 + i % 16, i % 9};
+    const auto bytes = encode_tile(tree, {TileCodec::kLossy, 0, how});
+    REQUIRE(codec_of(bytes).value() == TileCodec::kLossy);
+    REQUIRE(quantization_of(bytes).value() == how);
+    REQUIRE(decode_tile(bytes).value() == quantize(tree, how));
+  }
+}
+
+TEST_CASE("an empty tile has an encoding in every codec", "[codec]") {
+  for (const auto& options : kAllCodecs) {
+    const auto bytes = encode_tile(TileTree{}, options);
+    REQUIRE(decode_tile(bytes).value().empty());
+    REQUIRE(decode_tile_to_depth(bytes, 3).value().empty());
+    REQUIRE(bytes.size() < 64);
   }
 }
 
 TEST_CASE("every single flipped bit and every cut of a tile is detected", "[codec]") {
   test::RandomOctree random(test::seed());
-  const auto bytes = encode_tile(random_tree(random), {});
-  REQUIRE(bytes.size() > 100);
-  for (std::size_t bit = 0; bit < bytes.size() * 8; ++bit) {
-    auto flipped = bytes;
-    flipped[bit / 8] = static_cast<std::uint8_t>(flipped[bit / 8] ^ 1u << bit % 8);
-    REQUIRE_FALSE(decode_tile(flipped).has_value());
+  TileTree tree;
+  for (int i = 0; i < 20; ++i) tree.set(random.cell(), random.state());
+  for (const auto& options : kAllCodecs) {
+    const auto bytes = encode_tile(tree, options);
+    REQUIRE(bytes.size() > 50);
+    for (std::size_t bit = 0; bit < bytes.size() * 8; ++bit) {
+      auto flipped = bytes;
+      flipped[bit / 8] = static_cast<std::uint8_t>(flipped[bit / 8] ^ 1u << bit % 8);
+      REQUIRE_FALSE(decode_tile(flipped).has_value());
+      REQUIRE_FALSE(decode_tile_to_depth(flipped, 2).has_value());
+    }
+    for (std::size_t size = 0; size < bytes.size(); ++size) {
+      REQUIRE(decode_tile(ByteView(bytes).first(size)).error().code == ErrorCode::kCorrupt);
+    }
+    auto longer = bytes;
+    longer.push_back(0);
+    REQUIRE(error_of(longer) == ErrorCode::kCorrupt);
   }
-  for (std::size_t size = 0; size < bytes.size(); ++size) {
-    REQUIRE(decode_tile(ByteView(bytes).first(size)).error().code == ErrorCode::kCorrupt);
-  }
-  auto longer = bytes;
-  longer.push_back(0);
-  REQUIRE(decode_tile(longer).error().code == ErrorCode::kCorrupt);
 }
 
 TEST_CASE("a header that lies is refused although its checksum is right", "[codec]") {
   const Bytes nodes{0};
-  REQUIRE(decode_tile(sealed(1, 1, 1, frame_of(nodes))).value().empty());
-  REQUIRE(decode_tile(sealed(2, 1, 1, frame_of(nodes))).error().code == ErrorCode::kInvalid);
-  REQUIRE(decode_tile(sealed(0, 1, 1, frame_of(nodes))).error().code == ErrorCode::kCorrupt);
-  REQUIRE(decode_tile(sealed(1, 0, 1, frame_of(nodes))).error().code == ErrorCode::kCorrupt);
-  REQUIRE(decode_tile(sealed(1, 3, 1, frame_of(nodes))).error().code == ErrorCode::kCorrupt);
-  REQUIRE(decode_tile(sealed(1, 1, 2, frame_of(nodes))).error().code == ErrorCode::kCorrupt);
-  REQUIRE(decode_tile(sealed(1, 1, ~0u, frame_of(nodes))).error().code == ErrorCode::kCorrupt);
-  REQUIRE(decode_tile(sealed(1, 1, 1, nodes)).error().code == ErrorCode::kCorrupt);
+  REQUIRE(decode_tile(sealed_v1(1, 1, frame_of(nodes))).value().empty());
+  REQUIRE(error_of(sealed(3, 1, {}, {})) == ErrorCode::kInvalid);
+  REQUIRE(error_of(sealed(0, 1, {}, {})) == ErrorCode::kCorrupt);
+  REQUIRE(error_of(sealed(2, 0, {}, {})) == ErrorCode::kCorrupt);
+  REQUIRE(error_of(sealed(2, 4, {}, {})) == ErrorCode::kCorrupt);
+  REQUIRE(error_of(sealed(2, 1, {}, nodes)) == ErrorCode::kCorrupt);
+  REQUIRE(error_of(sealed(2, 3, {}, nodes)) == ErrorCode::kCorrupt);
+  REQUIRE(error_of(sealed_v1(0, 1, frame_of(nodes))) == ErrorCode::kCorrupt);
+  REQUIRE(error_of(sealed_v1(3, 1, frame_of(nodes))) == ErrorCode::kCorrupt);
+  REQUIRE(error_of(sealed_v1(1, 2, frame_of(nodes))) == ErrorCode::kCorrupt);
+  REQUIRE(error_of(sealed_v1(1, ~0u, frame_of(nodes))) == ErrorCode::kCorrupt);
+  REQUIRE(error_of(sealed_v1(1, 1, nodes)) == ErrorCode::kCorrupt);
   REQUIRE(codec_of(Bytes{}).error().code == ErrorCode::kCorrupt);
 }
 
@@ -87,34 +129,59 @@ TEST_CASE("a frame that would unfold beyond one tile is refused before it does",
   const auto frame = frame_of(bomb);
   REQUIRE(frame.size() < 20'000);
   const auto stated = static_cast<std::uint32_t>(bomb.size());
-  REQUIRE(decode_tile(sealed(1, 1, stated, frame)).error().code == ErrorCode::kCorrupt);
-  REQUIRE(decode_tile(sealed(1, 1, 100, frame)).error().code == ErrorCode::kCorrupt);
+  REQUIRE(error_of(sealed_v1(1, stated, frame)) == ErrorCode::kCorrupt);
+  REQUIRE(error_of(sealed_v1(1, 100, frame)) == ErrorCode::kCorrupt);
+  Bytes fast;
+  ByteWriter out(fast);
+  for (const std::uint64_t number : {std::uint64_t{1} << 40, std::uint64_t{1}, std::uint64_t{0}}) {
+    out.put_varint(number);
+  }
+  REQUIRE(error_of(sealed(2, 1, {}, fast)) == ErrorCode::kCorrupt);
 }
 
-/// The tile of the golden files, a bit of everything.
-TileTree golden_tree() {
-  const auto model = SensorModel::standard();
-  TileTree tree;
-  tree.set(CellKey{1, 3}, {-3000, {}});
-  for (std::uint32_t code = 0; code < 4096; code += 37) tree.miss(CellKey{4, code}, model);
-  for (std::uint32_t code = 1000; code < 60'000; code += 71) {
-    const auto shade = static_cast<std::uint8_t>(code);
-    tree.hit(CellKey{kDepth, code}, model);
-    if (code % 2 == 0) tree.hit(CellKey{kDepth, code}, model, Rgb{shade, 90, 17});
-  }
-  tree.hit(CellKey{6, 200'000}, model, Rgb{255, 255, 255});
-  return tree;
+std::string golden_path(const std::string& name) { return VOX_TEST_DATA "/codec/" + name; }
+
+Bytes read_golden(const std::string& name) {
+  INFO(name);
+  std::ifstream file(golden_path(name), std::ios::binary);
+  REQUIRE(file.good());
+  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
 
 TEST_CASE("tiles that version 1 wrote are read for ever", "[codec][golden]") {
   for (const std::string name : {"fast_v1.tile", "dense_v1.tile"}) {
-    const auto path = std::string(VOX_TEST_DATA "/codec/") + name;
-    INFO(path);
-    std::ifstream file(path, std::ios::binary);
-    const Bytes bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-    const auto tree = decode_tile(bytes);
+    const auto bytes = read_golden(name);
+    REQUIRE(decode_tile(bytes).value() == golden_tree());
+    REQUIRE(decode_tile_to_depth(bytes, 3).value() == cut_tile(golden_tree(), 3));
+  }
+}
+
+/// Version 2's golden files, and what made them.
+const std::pair<const char*, CodecOptions> kGolden[] = {{"fast_v2.tile", kAllCodecs[0]},
+                                                        {"dense_v2.tile", kAllCodecs[1]},
+                                                        {"lossy_v2.tile", kAllCodecs[2]}};
+
+TEST_CASE("tiles that version 2 wrote are read for ever", "[codec][golden]") {
+  for (const auto& [name, options] : kGolden) {
+    const auto tree = decode_tile(read_golden(name));
     REQUIRE(tree.has_value());
-    REQUIRE(*tree == golden_tree());
+    REQUIRE(*tree == (options.codec == TileCodec::kLossy ? quantize(golden_tree(), options.lossy)
+                                                         : golden_tree()));
+  }
+}
+
+TEST_CASE("dense tiles are written as the golden ones were", "[codec][golden]") {
+  REQUIRE(encode_tile(golden_tree(), kAllCodecs[1]) == read_golden("dense_v2.tile"));
+}
+
+// For a new version only: unit_codec "[.write-golden]" writes the files that are not there.
+TEST_CASE("golden files that are missing are written when asked for", "[.write-golden]") {
+  for (const auto& [name, options] : kGolden) {
+    if (std::ifstream(golden_path(name)).good()) continue;
+    const auto bytes = encode_tile(golden_tree(), options);
+    std::ofstream(golden_path(name), std::ios::binary)
+        .write(reinterpret_cast<const char*>(bytes.data()),
+               static_cast<std::streamsize>(bytes.size()));
   }
 }
 

@@ -1,0 +1,307 @@
+#include "codec/fast_stream.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+
+#include "octree/brick_table.hpp"
+
+namespace voxatlas {
+namespace {
+
+using Kind = Pyramid::Kind;
+
+/// Places as a plane of low bytes and, where the palette has more than 255 values, one of high.
+void put_places(const std::vector<std::uint32_t>& places, bool wide, ByteWriter& out) {
+  Bytes plane(places.size());
+  for (unsigned shift = 0; shift <= (wide ? 8u : 0u); shift += 8) {
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      plane[i] = static_cast<std::uint8_t>(places[i] >> shift);
+    }
+    out.put_bytes(plane);
+  }
+}
+
+class PlaceReader {
+ public:
+  PlaceReader(ByteReader& in, std::size_t count, bool wide)
+      : low_(in.get_bytes(count)), high_(in.get_bytes(wide ? count : 0)) {}
+
+  std::uint32_t at(std::size_t i) const {
+    return low_[i] | (high_.empty() ? 0u : std::uint32_t{high_[i]} << 8);
+  }
+
+ private:
+  ByteView low_, high_;
+};
+
+/// Places above this need a second byte.
+constexpr std::size_t kNarrow = 255;
+
+bool is_wide(const std::vector<LogOdds>& palette) { return palette.size() > kNarrow; }
+
+tl::unexpected<Error> corrupt(const char* what, std::size_t value) {
+  return fail(ErrorCode::kCorrupt, fmt::format("tile: {} {}", what, value));
+}
+
+void put_colour(const Colour& colour, ByteWriter& out) {
+  out.put(static_cast<std::uint8_t>(colour.count));
+  for (const auto mean : colour.mean) out.put(mean);
+}
+
+bool get_colour(ByteReader& in, Colour& colour) {
+  colour.count = in.get<std::uint8_t>();
+  for (auto& mean : colour.mean) mean = in.get<std::uint16_t>();
+  return in.ok() && colour.exists() && colour.count <= Colour::kMaxCount;
+}
+
+/// Kinds, palette, the ground of slots that know anything, the highest place of mixed ones.
+void put_slots(const Pyramid& pyramid, ByteWriter& out) {
+  out.put_varint(pyramid.palette.size());
+  for (const LogOdds value : pyramid.palette) out.put(value);
+  std::vector<std::uint32_t> ground, highest;
+  for (unsigned i = 0; i < kBricks; ++i) {
+    const auto& slot = pyramid.slots[i];
+    out.put(static_cast<std::uint8_t>(slot.kind));
+    if (slot.kind != Kind::kEmpty) ground.push_back(slot.ground);
+    if (slot.kind == Kind::kMixed) highest.push_back(slot.highest);
+  }
+  put_places(ground, is_wide(pyramid.palette), out);
+  put_places(highest, is_wide(pyramid.palette), out);
+}
+
+Status get_palette(ByteReader& in, std::vector<LogOdds>& palette) {
+  const auto size = in.get_varint();
+  if (size > 65'535) return corrupt("a palette of values:", size);
+  for (std::uint64_t i = 0; i < size; ++i) {
+    palette.push_back(in.get<LogOdds>());
+    if (i > 0 && palette[i] <= palette[i - 1]) return corrupt("a palette that falls at", i);
+  }
+  return {};
+}
+
+Status get_slots(ByteReader& in, Pyramid& pyramid) {
+  if (auto ok = get_palette(in, pyramid.palette); !ok) return ok;
+  const ByteView kinds = in.get_bytes(kBricks);
+  std::size_t known = 0, mixed = 0;
+  for (std::size_t i = 0; i < kinds.size(); ++i) {
+    if (kinds[i] > 2) return corrupt("a slot of kind", kinds[i]);
+    pyramid.slots[i].kind = static_cast<Kind>(kinds[i]);
+    known += kinds[i] != 0 ? 1 : 0;
+    mixed += kinds[i] == 2 ? 1 : 0;
+  }
+  const bool wide = is_wide(pyramid.palette);
+  const PlaceReader ground(in, known, wide), highest(in, mixed, wide);
+  if (!in.ok()) return corrupt("slots: too short for", known);
+  std::size_t at = 0, at_mixed = 0;
+  for (auto& slot : pyramid.slots) {
+    if (slot.kind == Kind::kEmpty) continue;
+    const auto own = ground.at(at++);
+    const bool is_mixed = slot.kind == Kind::kMixed;
+    const auto top = is_mixed ? highest.at(at_mixed++) : own;
+    if (own > pyramid.palette.size() || top > pyramid.palette.size() || top == kUnknown) {
+      return corrupt("a place beyond the palette:", own);
+    }
+    slot.ground = static_cast<Place>(own);
+    slot.highest = static_cast<Place>(top);
+  }
+  return {};
+}
+
+/// Stands beside the number of bricks left out before a coloured one.
+constexpr unsigned kUniform = 0x8000;
+
+void put_brick_colours(const TileColours& colours, ByteWriter& out) {
+  out.put_varint(colours.bricks.size());
+  unsigned least = 0;
+  for (const auto& brick : colours.bricks) {
+    out.put(static_cast<std::uint16_t>((brick.brick - least) | (brick.uniform ? kUniform : 0u)));
+    least = brick.brick + 1;
+    out.put(static_cast<std::uint16_t>(brick.voxels));
+    put_colour(brick.mean, out);
+  }
+}
+
+Status get_brick_colours(ByteReader& in, const Pyramid& pyramid, TileColours& colours) {
+  const auto count = in.get_varint();
+  if (count > kBricks) return corrupt("coloured bricks:", count);
+  unsigned least = 0;
+  for (std::uint64_t i = 0; i < count; ++i) {
+    auto& brick = colours.bricks.emplace_back();
+    const unsigned number = in.get<std::uint16_t>();
+    brick.brick = least + (number & ~kUniform);
+    brick.uniform = (number & kUniform) != 0;
+    brick.voxels = in.get<std::uint16_t>();
+    const bool whole = get_colour(in, brick.mean);
+    if (!whole || brick.brick >= kBricks || brick.voxels == 0 || brick.voxels > kBrickVoxels) {
+      return corrupt("a colour of brick", brick.brick);
+    }
+    const auto& slot = pyramid.slots[brick.brick];
+    const bool occupied =
+        slot.highest != kUnknown && is_occupied(pyramid.palette[slot.highest - 1u]);
+    if (!occupied || (brick.uniform && slot.kind != Kind::kUniform)) {
+      return corrupt("a colour that cannot be, of brick", brick.brick);
+    }
+    least = brick.brick + 1;
+  }
+  return {};
+}
+
+/// A brick's mask, in Morton order: which voxels are not the ground.
+constexpr std::size_t kMaskBytes = kBrickVoxels / 8;
+
+template <class Visit>
+void for_each_exception(const std::uint8_t* mask, Visit visit) {
+  for (unsigned first = 0; first < kBrickVoxels; first += 64) {
+    std::uint64_t word;
+    std::memcpy(&word, mask + first / 8, sizeof word);
+    for (; word != 0; word &= word - 1)
+      visit(first + static_cast<unsigned>(std::countr_zero(word)));
+  }
+}
+
+/// A mask for each mixed brick, and the places of what it holds.
+void put_voxels(const Pyramid& pyramid, ByteWriter& out) {
+  std::vector<std::uint32_t> places;
+  places.reserve(pyramid.bricks.size() * 64);
+  for (const auto& brick : pyramid.bricks) {
+    const auto* mask = brick.exceptions.data() + PyramidBrick::first(kDepth - 1);
+    out.put_bytes({mask, kMaskBytes});
+    for_each_exception(mask, [&](unsigned code) { places.push_back(brick.voxels()[code]); });
+  }
+  put_places(places, is_wide(pyramid.palette), out);
+}
+
+void put_voxel_colours(const TileColours& colours, ByteWriter& out) {
+  for (const auto& brick : colours.bricks) {
+    if (brick.uniform) continue;
+    VoxelMask mask{};
+    for (unsigned voxel = 0; voxel < kBrickVoxels; ++voxel) {
+      const bool has = brick.colours[kMortonOfVoxel[voxel]].exists();
+      mask[voxel >> 6] |= std::uint64_t{has ? 1u : 0u} << (voxel & 63);
+    }
+    for (const auto word : mask) out.put(word);
+    for_each_bit(mask,
+                 [&](unsigned voxel) { put_colour(brick.colours[kMortonOfVoxel[voxel]], out); });
+  }
+}
+
+VoxelMask get_mask(ByteReader& in) {
+  VoxelMask mask;
+  for (auto& word : mask) word = in.get<std::uint64_t>();
+  return mask;
+}
+
+/// The places of all voxels that are not their brick's ground, none beyond the palette.
+Result<PlaceReader> get_places(ByteReader& in, ByteView masks, std::size_t palette) {
+  std::size_t count = 0;
+  for (const auto byte : masks) count += static_cast<std::size_t>(std::popcount(byte));
+  PlaceReader places(in, count, palette > kNarrow);
+  if (!in.ok()) return corrupt("voxels: too short for", count);
+  std::uint32_t largest = 0;
+  for (std::size_t i = 0; i < count; ++i) largest = std::max(largest, places.at(i));
+  if (largest > palette) return corrupt("a voxel of place", largest);
+  return places;
+}
+
+/// Makes a brick of its ground and what differs from it. `values` by place.
+void fill(Brick& brick, Place ground, const std::uint8_t* mask, const PlaceReader& places,
+          std::span<const LogOdds> values, std::size_t& next) {
+  if (ground != kUnknown) {
+    brick.log_odds.fill(values[ground]);
+    brick.known = kAllVoxels;
+  }
+  for_each_exception(mask, [&](unsigned code) {
+    const auto place = places.at(next++);
+    const unsigned voxel = kVoxelOfMorton[code];
+    const std::uint64_t bit = std::uint64_t{1} << (voxel & 63);
+    auto& word = brick.known[voxel >> 6];
+    word = place != kUnknown ? word | bit : word & ~bit;
+    brick.log_odds[voxel] = values[place];
+  });
+}
+
+Status get_voxels(ByteReader& in, const Pyramid& pyramid, BrickTable& table) {
+  const auto mixed = static_cast<std::size_t>(
+      std::count_if(pyramid.slots.begin(), pyramid.slots.end(),
+                    [](const auto& slot) { return slot.kind == Kind::kMixed; }));
+  const ByteView masks = in.get_bytes(mixed * kMaskBytes);
+  auto places = get_places(in, masks, pyramid.palette.size());
+  if (!places) return pass_on(places);
+  std::vector<LogOdds> values{0};  // By place; unknown voxels hold 0.
+  values.insert(values.end(), pyramid.palette.begin(), pyramid.palette.end());
+  const std::uint8_t* mask = masks.data();
+  std::size_t next = 0;
+  for (unsigned i = 0; i < kBricks; ++i) {
+    const auto& slot = pyramid.slots[i];
+    if (slot.kind == Kind::kUniform) table.make_uniform(i, {values[slot.ground], {}});
+    if (slot.kind != Kind::kMixed) continue;
+    fill(table.expand(i), slot.ground, mask, *places, values, next);
+    mask += kMaskBytes;
+  }
+  return {};
+}
+
+Status get_voxel_colours(ByteReader& in, const TileColours& colours, BrickTable& table) {
+  for (const auto& from : colours.bricks) {
+    if (from.uniform) {
+      table.make_uniform(from.brick, {table.uniform_log_odds(from.brick), from.mean});
+      continue;
+    }
+    const VoxelMask mask = get_mask(in);
+    std::vector<Colour> own(count_of(mask));
+    bool whole = in.ok() && own.size() == from.voxels;
+    const Brick& brick = table.expand(from.brick);  // One of equal log-odds, maybe.
+    for_each_bit(mask, [&](unsigned voxel) {
+      whole = whole && has_voxel(brick.known, voxel) && is_occupied(brick.log_odds[voxel]);
+    });
+    for (auto& colour : own) whole = whole && get_colour(in, colour);
+    if (!whole) return corrupt("a colour in brick", from.brick);
+    table.colours_of(from.brick) = BrickColours(mask, std::move(own));
+    table.settle(from.brick);
+  }
+  return {};
+}
+
+}  // namespace
+
+FastParts encode_fast(const TileTree& tree) {
+  FastParts parts;
+  if (tree.empty()) return parts;
+  const auto pyramid = pyramid_of(*tree.bricks());
+  const auto colours = colours_of(*tree.bricks());
+  ByteWriter head(parts.head), body(parts.body);
+  put_slots(pyramid, head);
+  put_brick_colours(colours, head);
+  put_voxels(pyramid, body);
+  put_voxel_colours(colours, body);
+  return parts;
+}
+
+Result<FastHead> decode_fast_head(ByteView head) {
+  ByteReader in(head);
+  FastHead result;
+  if (head.empty()) return result;
+  if (auto ok = get_slots(in, result.pyramid); !ok) return pass_on(ok);
+  if (auto ok = get_brick_colours(in, result.pyramid, result.colours); !ok) return pass_on(ok);
+  if (!in.at_end()) return corrupt("its head is read up to", in.position());
+  return result;
+}
+
+Result<TileTree> decode_fast(ByteView head, ByteView body) {
+  auto parsed = decode_fast_head(head);
+  if (!parsed) return pass_on(parsed);
+  ByteReader in(body);
+  BrickTable table;
+  if (auto ok = get_voxels(in, parsed->pyramid, table); !ok) return pass_on(ok);
+  if (auto ok = get_voxel_colours(in, parsed->colours, table); !ok) return pass_on(ok);
+  if (!in.at_end()) return corrupt("its body is read up to", in.position());
+  for (unsigned i = 0; i < kBricks; ++i) {
+    if (table.is_mixed(i)) table.settle(i);
+  }
+  return TileTree::of_bricks(std::move(table));
+}
+
+}  // namespace voxatlas

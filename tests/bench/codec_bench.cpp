@@ -1,0 +1,143 @@
+// bench_codec: how small tiles become and how fast, beside OctoMap's files of the same tiles; and
+// the paper's figures 7 and 8 again.
+//
+// Prints lines `name value unit`, for the simulated city and, with --data, for real scans; times
+// are processor time of one thread. The tables are lines too: figure7_*, figure8_*.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+
+#include "bench/codec_case.hpp"
+
+namespace voxatlas::bench {
+namespace {
+
+struct Options {
+  std::string data, poses = "poses.txt";
+  std::size_t scans = 120;
+  bool json = false, tables = true;
+};
+
+struct Line {
+  std::string name;
+  double value;
+  std::string unit;
+};
+
+using Lines = std::vector<Line>;
+
+/// A row's name as part of a line's.
+std::string slug(const std::string& name) {
+  std::string result;
+  for (const char letter : name) {
+    if (std::isalnum(static_cast<unsigned char>(letter)) != 0) {
+      result += static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
+    } else if (!result.empty() && result.back() != '_') {
+      result += '_';
+    }
+  }
+  while (!result.empty() && result.back() == '_') result.pop_back();
+  return result;
+}
+
+void add_figures(const std::string& prefix, const CodecFigures& figures, double ot_zstd19,
+                 Lines& lines) {
+  const auto add = [&](const std::string& name, double value, const std::string& unit) {
+    lines.push_back({prefix + name, value, unit});
+  };
+  const auto rate = [&](double seconds) { return figures.memory / seconds / 1e6; };
+  add("lossless_vs_ot_zstd19", figures.dense / ot_zstd19, "fraction");
+  add("lossless_reduction_vs_8B_node", 1 - figures.dense / (8 * figures.nodes), "fraction");
+  add("lossy6_vs_lossless", figures.lossy6 / figures.dense, "fraction");
+  add("dense_encode_MBps", rate(figures.dense_encode), "MB/s");
+  add("dense_decode_MBps", rate(figures.dense_decode), "MB/s");
+  add("fast_encode_MBps", rate(figures.fast_encode), "MB/s");
+  add("fast_decode_MBps", rate(figures.fast_decode), "MB/s");
+  add("bytes_per_occupied_cell", figures.dense / figures.occupied, "bytes");
+  add("fast_bytes_per_occupied_cell", figures.fast / figures.occupied, "bytes");
+  for (int depth = 0; depth <= 7; ++depth) {
+    add(fmt::format("decode_to_depth_{}", depth), figures.to_depth[depth] / figures.dense_decode,
+        "of the whole");
+  }
+}
+
+void add_figure_8(const std::string& prefix, const std::vector<Figure8Row>& rows, Lines& lines) {
+  for (const auto& row : rows) {
+    const std::string name = prefix + "figure8_" + slug(row.name);
+    lines.push_back({name, row.bytes, "bytes"});
+    if (row.zstd3 == 0) continue;
+    lines.push_back({name + "_zstd3", row.zstd3, "bytes"});
+    lines.push_back({name + "_zstd19", row.zstd19, "bytes"});
+  }
+}
+
+void add_figure_7(const std::string& prefix, const std::vector<Figure7Row>& rows, Lines& lines) {
+  for (const auto& row : rows) {
+    const auto name = fmt::format("{}figure7_{}bits", prefix, row.bits);
+    lines.push_back({name, row.clamps, "log-odds, levels between the clamps"});
+    lines.push_back({name + "_unit", row.unit, "log-odds, bins of [0, 1]"});
+  }
+}
+
+void add_model(const std::string& prefix, const CodecModel& model, bool tables, Lines& lines) {
+  const auto rows = figure_8(model);
+  const auto ot = std::find_if(rows.begin(), rows.end(),
+                               [](const auto& row) { return row.name == "OctoMap .ot"; });
+  add_figures(prefix, measure_codecs(model), ot->zstd19, lines);
+  if (!tables) return;
+  add_figure_8(prefix, rows, lines);
+  add_figure_7(prefix, figure_7(model), lines);
+}
+
+void print(const Lines& lines, bool json) {
+  std::string text;
+  for (const auto& line : lines) {
+    text += json ? fmt::format("{}\"{}\": {:.6g}", text.empty() ? "{" : ", ", line.name, line.value)
+                 : fmt::format("{} {:.6g} {}\n", line.name, line.value, line.unit);
+  }
+  fmt::print("{}{}", text, json ? "}\n" : "");
+}
+
+int serve(const Options& options) {
+  Lines lines;
+  const auto add = [&](const std::string& prefix, Result<CodecModel> model) {
+    if (!model) {
+      fmt::print(stderr, "bench_codec: {}\n", model.error().message);
+      return false;
+    }
+    add_model(prefix, *model, options.tables, lines);
+    return true;
+  };
+  if (!add("sim_", simulated_model(options.scans, false))) return 1;
+  if (!add("simcolour_", simulated_model(options.scans, true))) return 1;
+  if (!options.data.empty() &&
+      !add("real_", real_model(options.data, options.poses, options.scans))) {
+    return 1;
+  }
+  print(lines, options.json);
+  return 0;
+}
+
+}  // namespace
+}  // namespace voxatlas::bench
+
+int main(int argc, char** argv) {
+  voxatlas::bench::Options options;
+  CLI::App app{"Tiles into bytes: ratios to OctoMap's files, speed, the paper's figures 7 and 8"};
+  app.add_option("--data", options.data, "scans in KITTI odometry form, beside the simulated ones");
+  app.add_option("--poses", options.poses, "the pose file, looked up in the folder first")
+      ->capture_default_str();
+  app.add_option("--scans", options.scans, "how many scans at most, of each kind")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 100'000));
+  app.add_flag("!--no-tables", options.tables, "leave figures 7 and 8 out");
+  app.add_flag("--json", options.json, "one JSON object in place of lines");
+  CLI11_PARSE(app, argc, argv);
+  try {
+    return voxatlas::bench::serve(options);
+  } catch (const std::exception& e) {
+    fmt::print(stderr, "bench_codec: {}\n", e.what());
+    return 1;
+  }
+}
