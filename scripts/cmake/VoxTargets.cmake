@@ -43,6 +43,9 @@ function(vox_library name)
   add_library(vox::${name} ALIAS vox_${name})
 endfunction()
 
+# What runs, without tests and benches: all that scripts/demo and the image need to build.
+add_custom_target(programs)
+
 # vox_service(compress SOURCES compress_service.cpp DEPS vox::codec vox::bus)
 #   -> library vox::compress_service (all sources, testable) and the process, built from main.cpp:
 #      voxatlas-compress, or NAME where given (the command line is `voxatlas`).
@@ -59,6 +62,7 @@ function(vox_service name)
   add_executable(vox_${name}_main main.cpp)
   set_target_properties(vox_${name}_main PROPERTIES OUTPUT_NAME ${arg_NAME})
   target_link_libraries(vox_${name}_main PRIVATE vox_${name}_service vox_flags CLI11::CLI11)
+  add_dependencies(programs vox_${name}_main)
 endfunction()
 
 # What runs by itself, without the services: what the sanitizers build (scripts/test --preset asan).
