@@ -297,6 +297,18 @@ std::int64_t StreamProducer::committed_messages() const {
   return state_->offered_messages - static_cast<std::int64_t>(state_->messages.size());
 }
 std::int64_t StreamProducer::offered_messages() const { return state_->offered_messages; }
+std::vector<Bytes> StreamProducer::uncommitted() const {
+  std::vector<Bytes> payloads;
+  auto chunk = state_->chunks.begin();
+  for (const auto& message : state_->messages) {
+    auto& payload = payloads.emplace_back();
+    payload.reserve(message.bytes);
+    for (; chunk != state_->chunks.end() && chunk->chunk.seq < message.end; ++chunk) {
+      payload.insert(payload.end(), chunk->chunk.data.begin(), chunk->chunk.data.end());
+    }
+  }
+  return payloads;
+}
 std::size_t StreamProducer::held_bytes() const { return state_->held_bytes; }
 std::int64_t StreamProducer::last_heard() const { return state_->last_heard; }
 const StreamProducer::Counters& StreamProducer::counters() const { return state_->counters; }

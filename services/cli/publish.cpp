@@ -18,7 +18,7 @@ namespace voxatlas {
 
 namespace {
 
-constexpr std::int64_t kSilence = 30'000'000;  ///< With scans on their way: then nobody is there.
+constexpr std::int64_t kSilence = 30'000'000;  ///< Of every ingest: then nobody is there.
 
 /// One run of `publish`: its input, its place in it, and what became of what was sent.
 class PublishRun {
@@ -31,7 +31,7 @@ class PublishRun {
 
  private:
   Result<std::int64_t> work(std::int64_t now);
-  Status publish_next();
+  Status publish_next(std::int64_t now);
   bool finished() const;
   Status check_silence(std::int64_t now) const;
 
@@ -67,7 +67,7 @@ Status PublishRun::start() {
                "(--session N with another number adds them again)\n",
                resumed_at_, next_.source);
   }
-  auto publisher = Publisher::create(client_->bus(), options_.ingests);
+  auto publisher = Publisher::create(client_->bus(), options_.ingests, steady_utime());
   if (!publisher) return pass_on(publisher);
   publisher_ = std::move(*publisher);
   return {};
@@ -94,8 +94,8 @@ Status PublishRun::run() {
 
 Result<std::int64_t> PublishRun::work(std::int64_t now) {
   const auto total = static_cast<std::int64_t>(input_.scans);
-  if (next_.seq < total && publisher_->has_room()) {
-    if (auto published = publish_next(); !published) return pass_on(published);
+  if (next_.seq < total && publisher_->has_room(now)) {
+    if (auto published = publish_next(now); !published) return pass_on(published);
   }
   if (auto pumped = publisher_->pump(now); !pumped) return pass_on(pumped);
   if (auto heard = check_silence(now); !heard) return pass_on(heard);
@@ -105,11 +105,11 @@ Result<std::int64_t> PublishRun::work(std::int64_t now) {
                               resumed_at_ + static_cast<std::int64_t>(publisher_->durable()), total,
                               static_cast<double>(rays_) / 1e6 / seconds));
   }
-  const bool more = next_.seq < total && publisher_->has_room();
+  const bool more = next_.seq < total && publisher_->has_room(now);
   return more ? now : publisher_->next_poll(now);
 }
 
-Status PublishRun::publish_next() {
+Status PublishRun::publish_next(std::int64_t now) {
   auto read = input_.read(static_cast<std::size_t>(next_.seq));
   if (!read) return pass_on(read);
   if (read->damage) {
@@ -118,7 +118,8 @@ Status PublishRun::publish_next() {
   }
   rays_ += read->scan.points_sensor.size();
   publisher_->publish(to_message(read->scan, next_, options_.sigma.value_or(input_.sigma),
-                                 options_.min_range.value_or(input_.min_range)));
+                                 options_.min_range.value_or(input_.min_range)),
+                      now);
   ++next_.seq;
   return {};
 }
@@ -129,7 +130,7 @@ bool PublishRun::finished() const {
 
 Status PublishRun::check_silence(std::int64_t now) const {
   const std::int64_t since = std::max(publisher_->last_heard(), began_);
-  if (publisher_->in_flight() == 0 || now - since < kSilence) return {};
+  if (finished() || now - since < kSilence) return {};
   return fail(ErrorCode::kUnavailable,
               fmt::format("no ingest has answered for {} s; the same command goes on with scan {}",
                           kSilence / 1'000'000,
@@ -148,7 +149,8 @@ void PublishRun::print_summary() const {
         .add("durable", durable)
         .add("rays", static_cast<std::int64_t>(rays_))
         .add("seconds", seconds)
-        .add("chunks_resent", static_cast<std::int64_t>(publisher_->chunks_resent()));
+        .add("chunks_resent", static_cast<std::int64_t>(publisher_->chunks_resent()))
+        .add("moved", static_cast<std::int64_t>(publisher_->moved()));
     fmt::print("{}\n", json.text());
   } else {
     fmt::print("{} of {} scans of {} durable; {} rays in {:.2f} s, {:.2f} M rays/s\n", durable,

@@ -1,57 +1,135 @@
 #include "cli/publisher.hpp"
 
 #include <algorithm>
-#include <numeric>
+#include <iterator>
+#include <limits>
+#include <utility>
 
 #include "base/check.hpp"
+#include "base/log.hpp"
+#include "bus/channels.hpp"
 
 namespace voxatlas {
 
-Result<std::unique_ptr<Publisher>> Publisher::create(Bus& bus, std::int32_t ingests) {
-  auto publisher = std::make_unique<Publisher>();
+/// Publisher bounds what is held: a scan that must move may not wait for room, because what fills
+/// it may be waiting for that very scan.
+static StreamConfig unbounded() {
+  StreamConfig config;
+  config.send_buffer_bytes = std::numeric_limits<std::size_t>::max();
+  return config;
+}
+
+std::int64_t Publisher::Ingest::last_heard() const {
+  return std::max(ready_at, link->producer().last_heard());
+}
+
+bool Publisher::Ingest::is_there(std::int64_t now) const {
+  return now - std::max(known_since, last_heard()) < kGoneUs;
+}
+
+Result<std::unique_ptr<Publisher>> Publisher::create(Bus& bus, std::int32_t ingests,
+                                                     std::int64_t now) {
+  std::unique_ptr<Publisher> publisher(new Publisher(bus));
   for (std::int32_t i = 0; i < ingests; ++i) {
-    auto endpoint = Endpoint::create(EndpointClass::kIngest, i);
-    if (!endpoint) return pass_on(endpoint);
-    auto link = OutLink::create(bus, *endpoint, StreamConfig{});
-    if (!link) return pass_on(link);
-    publisher->ingests_.push_back({std::move(*link), {}});
+    if (auto added = publisher->add(i, now); !added) return pass_on(added);
   }
+  publisher->statuses_ =
+      bus.subscribe<status_t>(kStatusChannel, [self = publisher.get()](const status_t& status) {
+        if (status.service == "ingest" && status.ready != 0) self->ready_.push_back(status.index);
+      });
   return publisher;
 }
 
-std::size_t Publisher::in_flight() const {
-  return std::accumulate(
-      ingests_.begin(), ingests_.end(), std::size_t{0},
-      [](std::size_t sum, const Ingest& ingest) { return sum + ingest.unacknowledged.size(); });
+Publisher::~Publisher() { bus_.unsubscribe(statuses_); }
+
+Status Publisher::add(std::int32_t index, std::int64_t now) {
+  auto endpoint = Endpoint::create(EndpointClass::kIngest, index);
+  if (!endpoint) return pass_on(endpoint);
+  auto link = OutLink::create(bus_, *endpoint, unbounded());
+  if (!link) return pass_on(link);
+  auto& ingest = ingests_[index];
+  ingest.link = std::move(*link);
+  ingest.known_since = now;
+  return {};
 }
 
-bool Publisher::has_room() const {
-  return in_flight() < kMaxInFlight && std::ranges::any_of(ingests_, [](const Ingest& ingest) {
-           return ingest.link->producer().has_room();
+std::size_t Publisher::in_flight() const {
+  std::size_t sum = homeless_.size();
+  for (const auto& [index, ingest] : ingests_) sum += ingest.unacknowledged.size();
+  return sum;
+}
+
+bool Publisher::has_room(std::int64_t now) const {
+  if (!homeless_.empty() || in_flight() >= kMaxInFlight) return false;
+  std::size_t bytes = 0;
+  for (const auto& [index, ingest] : ingests_) bytes += ingest.link->producer().held_bytes();
+  return bytes < kMostBytes && std::ranges::any_of(ingests_, [now](const auto& entry) {
+           return entry.second.is_there(now);
          });
 }
 
-Publisher::Ingest& Publisher::least_loaded() {
+Publisher::Ingest* Publisher::least_loaded(std::int64_t now) {
   Ingest* best = nullptr;
-  for (auto& ingest : ingests_) {
-    if (!ingest.link->producer().has_room()) continue;
+  for (auto& [index, ingest] : ingests_) {
+    if (!ingest.is_there(now)) continue;
     if (best == nullptr || ingest.unacknowledged.size() < best->unacknowledged.size()) {
       best = &ingest;
     }
   }
-  VOX_CHECK(best != nullptr);
-  return *best;
+  return best;
 }
 
-void Publisher::publish(const scan_t& scan) {
-  VOX_CHECK(has_room());
-  Ingest& ingest = least_loaded();
+void Publisher::give(Ingest& ingest, Bytes scan) {
   ingest.unacknowledged.push_back(
-      ingest.link->producer().offer(MessageKind::kScan, encode_message(scan)));
+      ingest.link->producer().offer(MessageKind::kScan, std::move(scan)));
+}
+
+void Publisher::publish(const scan_t& scan, std::int64_t now) {
+  VOX_CHECK(has_room(now));
+  give(*least_loaded(now), encode_message(scan));
+}
+
+Status Publisher::note_ready(std::int64_t now) {
+  for (const auto index : std::exchange(ready_, {})) {
+    if (!ingests_.contains(index)) {
+      if (auto added = add(index, now); !added) {
+        log_warning("ingest {} cannot be used: {}", index, added.error().message);
+        continue;
+      }
+    }
+    ingests_[index].ready_at = now;
+  }
+  return {};
+}
+
+/// A fresh stream in place of the old one: should the ingest come back, it need not do again what
+/// others do by then.
+Status Publisher::leave_the_gone(std::int64_t now) {
+  if (least_loaded(now) == nullptr) return {};
+  for (auto& [index, ingest] : ingests_) {
+    if (ingest.unacknowledged.empty() || ingest.is_there(now)) continue;
+    log_warning("ingest {} is gone; the {} scans it had go to others", index,
+                ingest.unacknowledged.size());
+    moved_ += ingest.unacknowledged.size();
+    resent_by_gone_ += ingest.link->producer().counters().chunks_resent;
+    std::ranges::move(ingest.link->producer().uncommitted(), std::back_inserter(homeless_));
+    ingest.unacknowledged.clear();
+    if (auto added = add(index, 0); !added) return added;
+  }
+  return {};
+}
+
+void Publisher::settle_homeless(std::int64_t now) {
+  for (Ingest* ingest = least_loaded(now); ingest != nullptr && !homeless_.empty();
+       ingest = least_loaded(now)) {
+    give(*ingest, std::move(homeless_.front()));
+    homeless_.pop_front();
+  }
 }
 
 Status Publisher::pump(std::int64_t now) {
-  for (auto& ingest : ingests_) {
+  if (auto noted = note_ready(now); !noted) return noted;
+  for (auto& [index, ingest] : ingests_) {
     if (auto pumped = ingest.link->pump(now); !pumped) return pumped;
     const auto committed = ingest.link->producer().committed_messages();
     while (!ingest.unacknowledged.empty() && ingest.unacknowledged.front() < committed) {
@@ -59,12 +137,14 @@ Status Publisher::pump(std::int64_t now) {
       ++durable_;
     }
   }
+  if (auto left = leave_the_gone(now); !left) return left;
+  settle_homeless(now);
   return {};
 }
 
 std::int64_t Publisher::next_poll(std::int64_t now) const {
   std::int64_t next = INT64_MAX;
-  for (const auto& ingest : ingests_) {
+  for (const auto& [index, ingest] : ingests_) {
     next = std::min(next, ingest.link->producer().next_poll(now));
   }
   return next;
@@ -72,13 +152,15 @@ std::int64_t Publisher::next_poll(std::int64_t now) const {
 
 std::int64_t Publisher::last_heard() const {
   std::int64_t last = 0;
-  for (const auto& ingest : ingests_) last = std::max(last, ingest.link->producer().last_heard());
+  for (const auto& [index, ingest] : ingests_) last = std::max(last, ingest.last_heard());
   return last;
 }
 
 std::uint64_t Publisher::chunks_resent() const {
-  std::uint64_t sum = 0;
-  for (const auto& ingest : ingests_) sum += ingest.link->producer().counters().chunks_resent;
+  std::uint64_t sum = resent_by_gone_;
+  for (const auto& [index, ingest] : ingests_) {
+    sum += ingest.link->producer().counters().chunks_resent;
+  }
   return sum;
 }
 

@@ -1,36 +1,37 @@
 #include "ingest/delta_links.hpp"
 
 #include <algorithm>
+#include <limits>
 
 namespace voxatlas {
 
 Result<std::unique_ptr<DeltaLinks>> DeltaLinks::create(Bus& bus, std::int32_t shards) {
   auto links = std::make_unique<DeltaLinks>();
+  StreamConfig config;
+  config.send_buffer_bytes = std::numeric_limits<std::size_t>::max();
   for (std::int32_t shard = 0; shard < shards; ++shard) {
     auto endpoint = Endpoint::create(EndpointClass::kStore, shard);
     if (!endpoint) return pass_on(endpoint);
-    auto link = OutLink::create(bus, *endpoint, StreamConfig{});
+    auto link = OutLink::create(bus, *endpoint, config);
     if (!link) return pass_on(link);
-    links->shards_.push_back({std::move(*link), {}, {}});
+    links->shards_.push_back({std::move(*link), {}});
   }
   return links;
 }
 
-void DeltaLinks::send(IngestService::Outgoing outgoing) {
+void DeltaLinks::send(const IngestService::Outgoing& outgoing) {
   for (std::size_t i = 0; i < shards_.size(); ++i) {
-    shards_[i].waiting.emplace_back(outgoing.scan, encode_message(outgoing.shards[i]));
+    auto& [link, unacked] = shards_[i];
+    unacked.emplace_back(
+        link->producer().offer(MessageKind::kScanDelta, encode_message(outgoing.shards[i])),
+        outgoing.scan);
   }
 }
 
 Status DeltaLinks::pump(IngestService& service, std::int64_t now) {
   for (std::size_t i = 0; i < shards_.size(); ++i) {
-    auto& [link, waiting, unacked] = shards_[i];
+    auto& [link, unacked] = shards_[i];
     auto& producer = link->producer();
-    while (!waiting.empty() && producer.has_room()) {
-      auto& [scan, message] = waiting.front();
-      unacked.emplace_back(producer.offer(MessageKind::kScanDelta, std::move(message)), scan);
-      waiting.pop_front();
-    }
     if (auto pumped = link->pump(now); !pumped) return pumped;
     while (!unacked.empty() && unacked.front().first < producer.committed_messages()) {
       service.committed(unacked.front().second, static_cast<std::int32_t>(i));
@@ -46,17 +47,9 @@ std::int64_t DeltaLinks::next_poll(std::int64_t now) {
   return next;
 }
 
-bool DeltaLinks::has_room() const {
-  return std::all_of(shards_.begin(), shards_.end(),
-                     [](const Shard& shard) { return shard.waiting.empty(); });
-}
-
-std::size_t DeltaLinks::held_bytes() {
+std::size_t DeltaLinks::held_bytes() const {
   std::size_t bytes = 0;
-  for (auto& shard : shards_) {
-    bytes += shard.link->producer().held_bytes();
-    for (const auto& [scan, message] : shard.waiting) bytes += message.size();
-  }
+  for (const auto& shard : shards_) bytes += shard.link->producer().held_bytes();
   return bytes;
 }
 

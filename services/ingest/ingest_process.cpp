@@ -121,7 +121,7 @@ Status IngestProcess::run() {
 Result<std::int64_t> IngestProcess::work(std::int64_t now) {
   plain_->expire(now);
   take_scans();
-  for (auto& outgoing : service_->finished()) deltas_out_->send(std::move(outgoing));
+  for (const auto& outgoing : service_->finished()) deltas_out_->send(outgoing);
   if (auto pumped = deltas_out_->pump(*service_, now); !pumped) return pass_on(pumped);
   for (const auto& done : service_->acknowledged()) {
     scans_in_->consumer().commit(done.session, done.number);
@@ -143,7 +143,7 @@ void IngestProcess::take_scans() {
     reliable_waiting_.pop_front();
     service_->take_message(message.kind, message.payload, {message.session, message.number});
   }
-  while (!plain_waiting_.empty() && has_room()) {
+  while (!plain_waiting_.empty() && has_room() && service_->has_room_for_plain()) {
     plain_->adopt(plain_waiting_.front());
     service_->take(plain_waiting_.front(), {});
     plain_waiting_.pop_front();

@@ -38,12 +38,15 @@ void IngestService::take(const scan_t& message, StreamRef from) {
   InFlight entry{*identity, message.utime, from, std::vector<bool>(parameters_.shards, false),
                  parameters_.shards};
   in_flight_.emplace(scan, std::move(entry));
+  ++integrating_;
+  if (from.session == 0) ++plain_in_flight_;
   workers_.give(scan, message);
 }
 
 std::vector<IngestService::Outgoing> IngestService::finished() {
   std::vector<Outgoing> result;
   for (auto& done : workers_.take()) {
+    --integrating_;
     const InFlight& scan = in_flight_.at(done.scan);
     if (!done.delta) {
       ++counters_.refused;
@@ -99,6 +102,7 @@ void IngestService::committed(std::uint64_t scan, std::int32_t shard) {
   if (entry.identity.seq == (known == acked_below_.end() ? 0 : known->second)) {
     acked_below_[{entry.identity.source, entry.identity.session}] = entry.identity.seq + 1;
   }
+  if (entry.from.session == 0) --plain_in_flight_;
   in_flight_.erase(at);
 }
 

@@ -29,7 +29,10 @@ struct StreamRef {
 ///          touched nothing there or was refused. A scan is done when every shard has committed its
 ///          message; then its publisher's stream may forget it.
 /// Order:   deltas leave as workers finish them; shards put a source's scans in order.
-/// Memory:  at most kMaxInFlight scans between take and commit.
+/// Memory:  at most kMaxInFlight scans between take and finished(), and as many plain ones between
+///          take and commit. A source's publisher leaves at most 64 scans uncommitted; no bound of
+///          all sources together may keep one out, for it may be the very scan that the others
+///          wait for in the shards.
 /// Threads: one at a time; the integration runs on workers of its own.
 class IngestService {
  public:
@@ -38,7 +41,9 @@ class IngestService {
   IngestService(const ModelParameters& parameters, int workers);
 
   /// False: take no more scans for now, let the publishers wait.
-  bool has_room() const { return in_flight_.size() < kMaxInFlight; }
+  bool has_room() const { return integrating_ < kMaxInFlight; }
+  /// The same for plain scans, whose loggers wait for nobody.
+  bool has_room_for_plain() const { return has_room() && plain_in_flight_ < kMaxInFlight; }
 
   /// Takes a scan. One that cannot be integrated still becomes empty messages, counted and logged;
   /// one without an identity is dropped (counted, logged) and done at once.
@@ -88,6 +93,8 @@ class IngestService {
   std::int64_t parameters_id_;
   IntegrationWorkers workers_;
   std::uint64_t next_scan_ = 0;
+  std::size_t integrating_ = 0;      ///< Taken, not finished().
+  std::size_t plain_in_flight_ = 0;  ///< Of in_flight_.
   std::map<std::uint64_t, InFlight> in_flight_;
   std::map<std::int64_t, std::deque<std::pair<std::int64_t, std::uint64_t>>>
       streams_;  ///< By stream session: messages taken and not acknowledged, with their scan.

@@ -29,14 +29,15 @@ class Kill(harness.SystemTest):
         services.run("stat", "--hashes", file, quiet=True)
         return sorted(file.read_text().splitlines())
 
-    def publish_with(self, fault):
+    def publish_with(self, fault, ingests=1):
         """Publishes the drive, lets `fault` happen in the middle, returns the tile hashes."""
-        with ServiceSet(self.folder, stores=2) as services:
+        with ServiceSet(self.folder, stores=2, ingests=ingests) as services:
             watch = services.begin("watch", "tiles", stdout=subprocess.PIPE, text=True)
             self.addCleanup(watch.communicate)
             self.addCleanup(watch.kill)
             publish = services.begin("publish", self.drive, "--poses", "poses.txt",
-                                     stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+                                     "--ingests", ingests, stdout=subprocess.PIPE,
+                                     stderr=subprocess.PIPE, text=True)
             self.addCleanup(publish.communicate)
             self.addCleanup(publish.kill)
             for _ in range(UPDATES_BEFORE_THE_FAULT):
@@ -56,6 +57,14 @@ class Kill(harness.SystemTest):
     def test_an_ingest_that_is_killed_and_restarted_loses_nothing(self):
         found = self.publish_with(lambda services: self.restart(services, "ingest"))
         self.assertEqual(found, self.undisturbed)
+
+    def test_the_scans_of_an_ingest_that_never_comes_back_go_to_another(self):
+        def for_good(services):
+            gone = services.find("ingest", 0)
+            gone.kill()
+            services.services.remove(gone)
+
+        self.assertEqual(self.publish_with(for_good, ingests=2), self.undisturbed)
 
     def test_a_tilestore_that_is_killed_and_restarted_loses_nothing(self):
         found = self.publish_with(lambda services: self.restart(services, "tilestore", 1))

@@ -1,5 +1,7 @@
 #include "bus/stream_world.hpp"
 
+#include <algorithm>
+#include <span>
 #include <utility>
 
 #include "bus/credit.hpp"
@@ -163,7 +165,14 @@ void StreamWorld::restart_consumer() {
 void StreamWorld::restart_producer(std::size_t index) {
   ++restarts;
   auto& peer = peers[index];
-  peer.oracle.first += peer.producer->committed_messages();
+  const auto kept = peer.oracle.first + peer.producer->committed_messages();
+  const std::vector<Bytes> held = peer.producer->uncommitted();  // Its successor may go by them.
+  if (!std::ranges::equal(
+          held,
+          std::span(peer.oracle.offered).subspan(static_cast<std::size_t>(kept), held.size()))) {
+    ++wrong;
+  }
+  peer.oracle.first = kept;
   peer.producer = std::make_unique<StreamProducer>(next_session_++, setup_.stream);
 }
 

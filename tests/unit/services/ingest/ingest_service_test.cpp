@@ -129,6 +129,28 @@ TEST_CASE("a scan that cannot be integrated still takes its place, empty", "[ing
   REQUIRE(service.counters().refused == 2);
 }
 
+TEST_CASE("scans that wait in the shards keep no other out, but plain scans", "[ingest]") {
+  auto rng = test::engine();
+  const auto scan = random_scan(rng);
+  IngestService service(parameters_for(1), 1);
+  constexpr std::int64_t kMost = IngestService::kMaxInFlight;
+  const auto fill = [&](std::string source, StreamRef from) {
+    for (std::int64_t seq = 0; seq < kMost; ++seq) {
+      REQUIRE(service.has_room());
+      service.take(to_message(scan, {source, 9, seq}, 0.02, 0), from);
+    }
+    REQUIRE_FALSE(service.has_room());  // Until they are integrated.
+    return wait_for(service, kMost);
+  };
+  fill("car", {4, 1});
+  REQUIRE(service.has_room_for_plain());
+  const auto plain = fill("car~plain", {});
+  REQUIRE(service.has_room());
+  REQUIRE_FALSE(service.has_room_for_plain());
+  service.committed(plain[0].scan, 0);
+  REQUIRE(service.has_room_for_plain());
+}
+
 TEST_CASE("what is no scan is dropped and does not block its stream", "[ingest]") {
   IngestService service(parameters_for(1), 1);
   service.take_message(MessageKind::kScan, as_bytes("garbage"), {6, 0});
