@@ -205,6 +205,9 @@ static void declare_store(CLI::App& app, Command& command) {
   stat->add_flag("--json", stat_options->json, "one JSON object a shard");
   stat->add_option("--hashes", stat_options->hashes,
                    "write key, version and SHA-256 of every tile to this file");
+  stat->add_option("--marks", stat_options->marks,
+                   "write how far each source's scans are applied to this file, a line for each "
+                   "shard and source: shard, seq, session, source");
   auto [checkpoint, checkpoint_options] =
       add("checkpoint", "a consistent copy that is a model of its own", run_store_checkpoint);
   checkpoint->add_option("to", checkpoint_options->target, "folder to be made")->required();

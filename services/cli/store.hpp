@@ -13,6 +13,8 @@ struct StoreOptions {
   std::string hashes;  ///< stat: file for one line a tile, as `voxatlas stat --hashes` writes it.
   std::uint32_t shards = 0;  ///< reshard's.
   bool json = false;
+  /// stat: file for one line a shard and source: shard, seq, session, source.
+  std::string marks{};
 };
 
 /// A model's folder while no service runs on it. All refuse one that does (kUnavailable).

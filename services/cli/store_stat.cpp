@@ -70,14 +70,33 @@ Result<std::vector<std::pair<TileKey, std::string>>> hash_lines(ModelFolder& mod
   return lines;
 }
 
-Status write_hashes(ModelFolder& model, const std::string& path) {
-  auto lines = hash_lines(model);
-  if (!lines) return pass_on(lines);
+Status write_file(const std::string& path, const std::string& text) {
   std::ofstream out(path);
-  for (const auto& [key, line] : *lines) out << line;
+  out << text;
   out.close();
   if (!out) return fail(ErrorCode::kIo, fmt::format("{}: cannot be written", path));
   return {};
+}
+
+Status write_hashes(ModelFolder& model, const std::string& path) {
+  auto lines = hash_lines(model);
+  if (!lines) return pass_on(lines);
+  std::string text;
+  for (const auto& [key, line] : *lines) text += line;
+  return write_file(path, text);
+}
+
+/// The journals' scans included. The source comes last: it may hold spaces.
+Status write_marks(ModelFolder& model, const std::string& path) {
+  std::string text;
+  for (ShardId shard = 0; shard < model.shards(); ++shard) {
+    auto atlas = model.atlas(shard);
+    if (!atlas) return pass_on(atlas);
+    for (const auto& mark : (*atlas)->marks()) {
+      text += fmt::format("{} {} {} {}\n", shard, mark.seq, mark.session, mark.source);
+    }
+  }
+  return write_file(path, text);
 }
 
 void print(ShardId shard, const ShardFigures& figures, bool json) {
@@ -110,6 +129,9 @@ Status run_store_stat(const StoreOptions& options) {
     auto figures = measure(*model, shard);
     if (!figures) return pass_on(figures, fmt::format("shard {}", shard));
     print(shard, *figures, options.json);
+  }
+  if (!options.marks.empty()) {
+    if (auto written = write_marks(*model, options.marks); !written) return written;
   }
   if (options.hashes.empty()) return {};
   return write_hashes(*model, options.hashes);

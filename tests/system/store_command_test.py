@@ -47,6 +47,11 @@ class StoreCommand(harness.SystemTest):
 
         online = self.run_set(2, publish_and_try)
         self.assertEqual(self.hashes(), online)
+        marks = self.folder / "marks"
+        self.store("stat", "--marks", marks)
+        rows = [line.split(" ", 3) for line in marks.read_text().splitlines()]
+        self.assertEqual([row[:2] for row in rows], [["0", str(SCANS - 1)], ["1", str(SCANS - 1)]])
+        self.assertEqual(rows[0][2:], rows[1][2:])
         self.assertIn("shard 1: sound", self.store("verify"))
 
         copy = self.folder / "copy"
