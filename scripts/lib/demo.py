@@ -17,6 +17,7 @@ from service_set import ServiceSet, SetError
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 VIEWS = ("street", "oblique")
+REST_LOOKS, LOOK_SECONDS, PATIENCE_SECONDS = 4, 2, 180
 STAGES = ("fetch_ms", "build_ms", "draw_ms", "shade_ms", "encode_ms")
 
 
@@ -101,6 +102,19 @@ def stat(services, hashes):
     return json.loads(services.run("stat", "--hashes", hashes, "--json"))
 
 
+def stat_at_rest(services, hashes):
+    """The model once the compressor has been over it: its bytes have stopped to fall."""
+    last, same, until = stat(services, hashes), 0, time.monotonic() + PATIENCE_SECONDS
+    while same < REST_LOOKS and time.monotonic() < until:
+        time.sleep(LOOK_SECONDS)
+        now = stat(services, hashes)
+        same = same + 1 if now["encoded_bytes"] == last["encoded_bytes"] else 0
+        last = now
+    if same < REST_LOOKS:
+        say(f"the model's bytes still change after {PATIENCE_SECONDS} s")
+    return last
+
+
 def new_set(model, options):
     return ServiceSet(model, stores=options.stores, ingests=options.ingest,
                       store_options=["--cache-mb", options.cache_mb])
@@ -113,8 +127,9 @@ def run(options, model):
         started(services)
         published = publish(services, options)
         say("every scan is durable")
+        fresh_bytes = stat(services, before)["encoded_bytes"]
         frames = draw(services, options)
-        model_stat = stat(services, before)
+        model_stat = stat_at_rest(services, before)
         memory = max(peak_memory(s) for s in services.services if s.kind == "tilestore")
     say("all stopped; starting again on the same model")
     restart = time.monotonic()
@@ -123,6 +138,7 @@ def run(options, model):
         restart = time.monotonic() - restart
         stat(services, after)
     figures = {"published": published, "frames": frames, "model": model_stat,
+               "encoded_bytes_before_compression": fresh_bytes,
                "restart_seconds": restart, "tilestore_peak_bytes": memory,
                "cache_bytes": options.cache_mb * 1_000_000}
     return figures, list(losses(figures, before, after))
@@ -160,8 +176,10 @@ def rows(figures):
     yield "bytes on disk", number(model["disk_bytes"])
     yield "bytes of encoded tiles", number(model["encoded_bytes"])
     if model["occupied_voxels"]:
-        per_cell = model["encoded_bytes"] / model["occupied_voxels"]
-        yield "encoded bytes per occupied voxel", f"{per_cell:.2f}"
+        for when, size in (("as written", figures["encoded_bytes_before_compression"]),
+                           ("compressed", model["encoded_bytes"])):
+            per_cell = size / model["occupied_voxels"]
+            yield f"encoded bytes per occupied voxel, {when}", f"{per_cell:.2f}"
     yield "tile store, peak resident bytes", number(figures["tilestore_peak_bytes"])
     for view, frame in figures["frames"].items():
         stages = ", ".join(f"{stage[:-3]} {frame[stage]:.1f}" for stage in STAGES)
