@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "base/check.hpp"
 #include "octree/brick_table.hpp"
@@ -12,8 +13,6 @@ namespace voxatlas {
 namespace {
 
 constexpr int kLevelsOfChannel = 255;
-/// P moves by at most a quarter of what L moves; L is rounded to the lattice.
-constexpr double kHalfLattice = 0.125 / kLogOddsPerUnit;
 
 int divide_rounded(int a, int b) { return (2 * a + b) / (2 * b); }
 
@@ -38,35 +37,17 @@ Status Quantization::check() const {
 LogOddsQuantizer::LogOddsQuantizer(const Quantization& how)
     : clamp_min_(how.clamp_min), clamp_max_(how.clamp_max) {
   VOX_CHECK(how.check().has_value());
-  const auto side = [&](LogOdds clamp) {
-    Side made{0.5, to_probability(clamp), 1 << (how.bits - 1), 0};
-    const double width = std::abs(made.clamp - made.even);
-    made.step = (made.levels == 1 ? width : width / (made.levels - 1)) + kHalfLattice;
-    return made;
+  const auto step = [&](LogOdds clamp) {
+    return std::abs(to_probability(clamp) - 0.5) / std::max(1, (1 << (how.bits - 1)) - 1);
   };
-  free_ = side(how.clamp_min);
-  occupied_ = side(how.clamp_max);
-}
-
-LogOdds LogOddsQuantizer::nearest(LogOdds log_odds) const {
-  if (is_beyond(log_odds)) return log_odds;
-  const bool occupied = is_occupied(log_odds);
-  const auto& [even, clamp, levels, step] = side(occupied);
-  const LogOdds outermost = occupied ? clamp_max_ : clamp_min_;
-  if (levels == 1) return outermost;
-  const double width = clamp - even;
-  const double level = std::round((to_probability(log_odds) - even) / width * (levels - 1));
-  if (level >= levels - 1) return outermost;
-  const double probability = even + width * level / (levels - 1);
-  const double nearest = std::round(kLogOddsPerUnit * std::log(probability / (1 - probability)));
-  // Free values stay below 0, where the level is 1/2 itself.
-  return static_cast<LogOdds>(occupied ? nearest : std::min(nearest, -1.0));
+  free_step_ = step(how.clamp_min);
+  occupied_step_ = step(how.clamp_max);
 }
 
 bool LogOddsQuantizer::within_step(LogOdds from, LogOdds to) const {
   const bool occupied = is_occupied(from);
   if (is_beyond(from) || is_occupied(to) != occupied) return from == to;
-  return std::abs(to_probability(from) - to_probability(to)) <= side(occupied).step;
+  return std::abs(to_probability(from) - to_probability(to)) <= step(occupied);
 }
 
 Colour quantize(const Colour& colour, int bits) {
@@ -83,12 +64,74 @@ Colour quantize(const Colour& colour, int bits) {
 
 namespace {
 
-/// A quantiser with its answers ready, and with the freedom that a step leaves: a voxel takes its
-/// brick's commonest value where that is no farther away than the step.
+std::size_t index_of(int value) { return static_cast<std::uint16_t>(value); }
+
+/// The values that stand for a tile's: its own, the commonest first, each for all within its step
+/// that nothing stands for yet. So they are what hits and misses make, which a palette codes for
+/// next to nothing, and farther than a step apart, which bounds their number.
+class Representatives {
+ public:
+  Representatives(const BrickTable& table, const LogOddsQuantizer& quantizer) {
+    count(table);
+    choose(quantizer);
+  }
+
+  LogOdds of(LogOdds value) const { return chosen_[index_of(value)]; }
+
+ private:
+  /// Runs, not voxels: a run costs about as much to code as a single voxel does.
+  void count(const BrickTable& table) {
+    for (unsigned i = 0; i < kBricks; ++i) {
+      if (table.is_uniform(i)) ++counts_[index_of(table.uniform_log_odds(i))];
+      if (!table.is_mixed(i)) continue;
+      const Brick& brick = table.mixed(i);
+      std::size_t before = kValues;
+      for_each_bit(brick.known, [&](unsigned voxel) {
+        const std::size_t value = index_of(brick.log_odds[voxel]);
+        counts_[value] += value != before ? 1 : 0;
+        before = value;
+      });
+    }
+  }
+
+  void choose(const LogOddsQuantizer& quantizer) {
+    std::vector<LogOdds> rising;
+    for (int value = INT16_MIN; value <= INT16_MAX; ++value) {
+      if (counts_[index_of(value)] > 0) rising.push_back(static_cast<LogOdds>(value));
+    }
+    std::vector<std::size_t> order(rising.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    const auto rank = [&](std::size_t i) {  // What cannot move stands for others first.
+      const LogOdds value = rising[i];
+      return std::pair(quantizer.is_beyond(value) ? 0 : 1, -counts_[index_of(value)]);
+    };
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t a, std::size_t b) { return rank(a) < rank(b); });
+    std::vector<bool> taken(rising.size());
+    for (const std::size_t i : order) {
+      if (taken[i]) continue;
+      const auto take = [&](std::size_t other) {
+        if (other != i && !quantizer.within_step(rising[other], rising[i])) return false;
+        if (!taken[other]) chosen_[index_of(rising[other])] = rising[i];
+        taken[other] = true;
+        return true;
+      };
+      for (std::size_t up = i; up < rising.size() && take(up); ++up) continue;
+      for (std::size_t down = i; down-- > 0 && take(down);) continue;
+    }
+  }
+
+  static constexpr std::size_t kValues = std::size_t{1} << 16;
+  std::vector<std::int64_t> counts_ = std::vector<std::int64_t>(kValues);
+  std::vector<LogOdds> chosen_ = std::vector<LogOdds>(kValues);
+};
+
+/// Makes a tile coarser, with the freedom that a step leaves: a voxel takes its brick's commonest
+/// value where that is no farther away than the step, else what stands for it in the whole tile.
 class TileQuantizer {
  public:
-  explicit TileQuantizer(const Quantization& how)
-      : quantizer_(how), colour_bits_(how.colour_bits) {}
+  TileQuantizer(const BrickTable& table, const Quantization& how)
+      : quantizer_(how), representatives_(table, quantizer_), colour_bits_(how.colour_bits) {}
 
   void change(BrickTable& table, unsigned brick) {
     const auto* own = table.colours(brick);
@@ -97,7 +140,7 @@ class TileQuantizer {
       table.colours_of(brick) = coarse;
     }
     if (table.is_uniform(brick)) {
-      table.set_uniform_log_odds(brick, nearest(table.uniform_log_odds(brick)));
+      table.set_uniform_log_odds(brick, representative(table.uniform_log_odds(brick)));
     } else {
       change(table.mixed(brick));
     }
@@ -105,15 +148,7 @@ class TileQuantizer {
   }
 
  private:
-  static std::size_t index(int value) { return static_cast<std::uint16_t>(value); }
-
-  LogOdds nearest(LogOdds value) {
-    if (!known_[index(value)]) {
-      known_[index(value)] = true;
-      nearest_[index(value)] = quantizer_.nearest(value);
-    }
-    return nearest_[index(value)];
-  }
+  LogOdds representative(LogOdds value) const { return representatives_.of(value); }
 
   BrickColours coarser(const BrickColours& from) const {
     if (colour_bits_ == 0) return {};
@@ -126,8 +161,8 @@ class TileQuantizer {
     const LogOdds common = commonest(brick);
     for_each_bit(brick.known, [&](unsigned voxel) {
       auto& value = brick.log_odds[voxel];
-      const LogOdds near = nearest(value);
-      value = may_join(value, common) ? common : near;
+      const LogOdds own = representative(value);
+      value = may_join(value, common) ? common : own;
     });
   }
 
@@ -147,24 +182,24 @@ class TileQuantizer {
     LogOdds best = 0;
     std::uint16_t most = 0;
     for_each_bit(brick.known, [&](unsigned voxel) {
-      const LogOdds value = nearest(brick.log_odds[voxel]);
-      const std::uint16_t count = ++counts_[index(value)];
+      const LogOdds value = representative(brick.log_odds[voxel]);
+      const std::uint16_t count = ++counts_[index_of(value)];
       if (count > most || (count == most && value < best)) {
         best = value;
         most = count;
       }
     });
-    for_each_bit(brick.known,
-                 [&](unsigned voxel) { counts_[index(nearest(brick.log_odds[voxel]))] = 0; });
+    for_each_bit(brick.known, [&](unsigned voxel) {
+      counts_[index_of(representative(brick.log_odds[voxel]))] = 0;
+    });
     return best;
   }
 
   LogOddsQuantizer quantizer_;
+  Representatives representatives_;
   int colour_bits_;
   LogOdds asked_ = 0, about_ = 0;
   bool answer_ = true;
-  std::vector<bool> known_ = std::vector<bool>(1u << 16);
-  std::vector<LogOdds> nearest_ = std::vector<LogOdds>(1u << 16);
   std::vector<std::uint16_t> counts_ = std::vector<std::uint16_t>(1u << 16);
 };
 
@@ -172,8 +207,8 @@ class TileQuantizer {
 
 TileTree quantize(const TileTree& tree, const Quantization& how) {
   if (tree.empty()) return {};
-  TileQuantizer quantizer(how);
   BrickTable table = *tree.bricks();
+  TileQuantizer quantizer(table, how);
   for (unsigned i = 0; i < kBricks; ++i) {
     if (!table.is_empty(i)) quantizer.change(table, i);
   }

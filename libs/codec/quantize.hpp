@@ -19,42 +19,33 @@ struct Quantization {
   friend bool operator==(const Quantization&, const Quantization&) = default;
 };
 
-/// Log-odds in few values. 2^(bits-1) of them are free and as many occupied, so that no value ever
-/// changes side. On each side they lie evenly *in probability*, as the paper's do, between 1/2 and
-/// the clamp, which is one of them; with one bit the clamps are the only two.
-///
-/// Error: the probability moves by at most step(); the clamps, and what lies outside them, do not
-///        move at all.
+/// How far a log-odds may move: never to the other side of 0, and at most by step() in probability.
+/// A step is a side's width in probability, from 1/2 to the clamp, divided by 2^(bits-1) - 1 (by 1
+/// for one bit); the clamps, and what lies outside them, do not move at all. Values farther than a
+/// step apart are at most 2^(bits-1) on a side.
 class LogOddsQuantizer {
  public:
   explicit LogOddsQuantizer(const Quantization& how);  ///< Must pass check().
 
-  LogOdds nearest(LogOdds log_odds) const;
-  /// The distance of neighbouring values in probability, and half of the lattice's own.
-  double step(bool occupied) const { return side(occupied).step; }
+  double step(bool occupied) const { return occupied ? occupied_step_ : free_step_; }
+  /// At a clamp or outside.
+  bool is_beyond(LogOdds log_odds) const {
+    return log_odds <= clamp_min_ || log_odds >= clamp_max_;
+  }
   /// May `from` become `to`: on the same side, within its step, and no clamp?
   bool within_step(LogOdds from, LogOdds to) const;
 
  private:
-  struct Side {
-    double even, clamp;  ///< Probabilities.
-    int levels;
-    double step;
-  };
-  const Side& side(bool occupied) const { return occupied ? occupied_ : free_; }
-  bool is_beyond(LogOdds log_odds) const {
-    return log_odds <= clamp_min_ || log_odds >= clamp_max_;
-  }
-
   LogOdds clamp_min_, clamp_max_;
-  Side free_, occupied_;
+  double free_step_, occupied_step_;
 };
 
 /// A colour whose channels have `bits` bits: the mean's nearest of 2^bits values spread over
 /// 0..255, the count kept. Error: at most half of 255 / (2^bits - 1), rounded up (bits 1: 128).
 Colour quantize(const Colour& colour, int bits);
 
-/// The tile of the quantised voxels, a tile like any other: updates go on from its values.
+/// The tile with few values, chosen among its own, each voxel within its step: a tile like any
+/// other: updates go on from its values.
 TileTree quantize(const TileTree& tree, const Quantization& how);
 
 }  // namespace voxatlas
