@@ -9,7 +9,7 @@ namespace voxatlas {
 
 /// One put holds at most so many tiles, and bytes but for the last.
 static constexpr std::size_t kTilesAPut = 32;
-static constexpr std::size_t kBytesAPut = std::size_t{4} << 20;
+static constexpr std::size_t kBytesAPut = std::size_t{1} << 20;
 
 /// Writes the tiles whose oldest change is oldest, at most `max_tiles`.
 Status Atlas::State::write_oldest(std::size_t max_tiles) {

@@ -11,8 +11,9 @@ namespace voxatlas {
 /// The records a journal still holds: where, and how large. Not what is in them.
 class JournalTail {
  public:
-  /// Counts a little for a record beside its bytes, so that many small ones are bounded too.
-  static constexpr std::size_t kRecordOverhead = 64;
+  /// Counts a little for a record beside its bytes, so that many small ones are bounded too, and
+  /// with them what stands here.
+  static constexpr std::size_t kRecordOverhead = 256;
 
   void append(JournalPosition position, std::size_t bytes) {
     records_.emplace_back(position, bytes + kRecordOverhead);

@@ -16,7 +16,7 @@ namespace voxatlas {
 class RestedTiles {
  public:
   using Clock = std::chrono::steady_clock;
-  static constexpr std::size_t kLimit = 65'536;
+  static constexpr std::size_t kLimit = 16'384;
 
   struct Tile {
     TileKey key;

@@ -1,17 +1,11 @@
 #include "atlas/tile_cache.hpp"
 
-#include <malloc.h>
-
-#include <algorithm>
-
 #include "base/check.hpp"
 
 namespace voxatlas {
 
 /// What a tile costs beside its tree: nodes of the maps it stands in.
 static constexpr std::size_t kEntryBytes = 192;
-/// Evicted bytes that are worth asking the C library to give their pages back.
-static constexpr std::size_t kLeastGivenBack = std::size_t{4} << 20;
 
 CachedTile* TileCache::find(TileKey key) {
   const auto found = tiles_.find(key);
@@ -66,15 +60,8 @@ bool TileCache::evict(std::size_t budget, std::optional<TileKey> keep) {
     }
     const auto tile = tiles_.find(oldest->second);
     bytes_ -= tile->second.bytes;
-    evicted_ += tile->second.bytes;
     tiles_.erase(tile);
     oldest = clean_.erase(oldest);
-  }
-  // Tiles lie between what stays, and glibc keeps their pages: without this a process that had held
-  // 32 MB at a time was 268 MB large.
-  if (evicted_ >= std::max(budget / 8, kLeastGivenBack)) {
-    malloc_trim(0);
-    evicted_ = 0;
   }
   return bytes_ <= budget;
 }

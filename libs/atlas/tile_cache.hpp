@@ -67,7 +67,6 @@ class TileCache {
   std::map<std::uint64_t, TileKey> clean_;  // By last use.
   std::set<std::pair<JournalPosition, TileKey>> dirty_;
   std::size_t bytes_ = 0;
-  std::size_t evicted_ = 0;  // Since pages were last given back.
   std::uint64_t clock_ = 0;
 };
 

@@ -3,6 +3,7 @@
 #include <rocksdb/cache.h>
 #include <rocksdb/filter_policy.h>
 #include <rocksdb/table.h>
+#include <rocksdb/write_buffer_manager.h>
 
 #include <filesystem>
 
@@ -16,7 +17,8 @@ namespace voxatlas {
 static constexpr std::string_view kFormatKey = "voxatlas store";
 static constexpr std::uint32_t kFormat = 1;
 
-static rocksdb::DBOptions db_options(const RocksDbOptions& options) {
+static rocksdb::DBOptions db_options(const RocksDbOptions& options,
+                                     const std::shared_ptr<rocksdb::Cache>& cache) {
   rocksdb::DBOptions db;
   db.create_if_missing = options.create;
   db.create_missing_column_families = options.create;
@@ -25,6 +27,9 @@ static rocksdb::DBOptions db_options(const RocksDbOptions& options) {
   db.wal_recovery_mode = rocksdb::WALRecoveryMode::kTolerateCorruptedTailRecords;
   db.track_and_verify_wals_in_manifest = true;
   db.max_total_wal_size = options.max_wal_bytes;
+  // What waits to be written is counted in the cache of what was read: one budget for both.
+  db.write_buffer_manager =
+      std::make_shared<rocksdb::WriteBufferManager>(options.write_buffer_bytes, cache);
   db.max_background_jobs = 2;
   db.max_open_files = 512;
   db.keep_log_file_num = 2;
@@ -113,17 +118,18 @@ Status RocksDbStore::State::check_acked() {
 }
 
 Status RocksDbStore::State::open_database(const RocksDbOptions& options) {
-  const auto cache = rocksdb::NewLRUCache(options.block_cache_bytes);
-  const auto large = family_options(options, cache, options.write_buffer_bytes);
-  const auto middle = family_options(options, cache, options.write_buffer_bytes / 2);
-  const auto small = family_options(options, cache, std::size_t{1} << 20);
+  const auto cache = rocksdb::NewLRUCache(options.memory_bytes);
+  const auto large = family_options(options, cache, options.write_buffer_bytes / 2);
+  const auto middle = family_options(options, cache, options.write_buffer_bytes / 4);
+  const auto small = family_options(options, cache, options.write_buffer_bytes / 32);
   const std::vector<rocksdb::ColumnFamilyDescriptor> wanted = {
       {rocksdb::kDefaultColumnFamilyName, small},
       {"tiles", large},
       {"journal", middle},
       {"state", small}};
   rocksdb::DB* opened = nullptr;
-  const auto status = rocksdb::DB::Open(db_options(options), directory, wanted, &families, &opened);
+  const auto status =
+      rocksdb::DB::Open(db_options(options, cache), directory, wanted, &families, &opened);
   if (!status.ok()) return tl::unexpected(open_error(status));
   db.reset(opened);
   return {};

@@ -13,8 +13,10 @@ struct RocksDbOptions {
   /// the power-cut test alone, which must see that loss.
   bool sync = true;
   bool create = true;  ///< Make the folder and an empty store in it where there is none.
-  std::size_t block_cache_bytes = std::size_t{16} << 20;   ///< Blocks, indexes and filters read.
-  std::size_t write_buffer_bytes = std::size_t{16} << 20;  ///< Of tiles; the journal's is half.
+  /// All that RocksDB holds: blocks, indexes and filters read, and what is written and not yet in a
+  /// file.
+  std::size_t memory_bytes = std::size_t{48} << 20;
+  std::size_t write_buffer_bytes = std::size_t{32} << 20;  ///< Of these, for what is written.
   /// Nothing is appended or put while the disk has less left than this: RocksDB itself must never
   /// meet a full disk, it aborts the process then.
   std::size_t reserve_bytes = std::size_t{64} << 20;

@@ -14,8 +14,8 @@ namespace voxatlas {
 static RocksDbOptions writing_options() {
   RocksDbOptions options;
   options.sync = false;
-  options.block_cache_bytes = std::size_t{1} << 20;
-  options.write_buffer_bytes = std::size_t{4} << 20;
+  options.memory_bytes = std::size_t{9} << 20;
+  options.write_buffer_bytes = std::size_t{8} << 20;
   return options;
 }
 

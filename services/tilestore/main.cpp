@@ -49,11 +49,12 @@ static void declare(CLI::App& app, TilestoreOptions& options) {
       ->check(CLI::Range(0, 100))
       ->capture_default_str();
   app.add_option_function<std::size_t>(
-         "--cache-mb", [&options](std::size_t mb) { options.atlas.cache_bytes = mb << 20; },
-         "memory for tiles, MiB [256]")
+         "--cache-mb", [&options](std::size_t mb) { options.memory_bytes = mb << 20; },
+         "memory for tiles and all that goes with them, MiB, at least 64; the process stays "
+         "within 1.5 times this [256]")
       ->check(CLI::Range(1, 1 << 20));
   app.add_option_function<std::size_t>(
-         "--journal-mb", [&options](std::size_t mb) { options.atlas.journal_max_bytes = mb << 20; },
+         "--journal-mb", [&options](std::size_t mb) { options.journal_max_bytes = mb << 20; },
          "most the journal may hold, MiB [40]")
       ->check(CLI::Range(1, 1 << 16));
   declare_model(app, options.model);

@@ -6,6 +6,7 @@
 #include <deque>
 #include <memory>
 
+#include "atlas/memory_plan.hpp"
 #include "base/log.hpp"
 #include "base/utime.hpp"
 #include "bus/channels.hpp"
@@ -21,27 +22,31 @@ namespace voxatlas {
 
 namespace {
 
-/// What RocksDB may hold beside the tiles, in proportion: a small budget is meant.
-RocksDbOptions store_options(const AtlasOptions& atlas) {
-  constexpr std::size_t kLeast = std::size_t{2} << 20;
+RocksDbOptions store_options(const MemoryPlan& plan) {
   RocksDbOptions options;
-  const std::size_t share = std::max(kLeast, atlas.cache_bytes / 32);
-  options.block_cache_bytes = std::min(options.block_cache_bytes, share);
-  options.write_buffer_bytes = std::min(options.write_buffer_bytes, share);
+  options.memory_bytes = std::min(options.memory_bytes, plan.store);
+  options.write_buffer_bytes = std::min(options.write_buffer_bytes, plan.write_buffers);
+  return options;
+}
+
+AtlasOptions atlas_options(const MemoryPlan& plan, std::size_t journal_max_bytes) {
+  AtlasOptions options;
+  options.cache_bytes = plan.tiles;
+  options.journal_max_bytes = journal_max_bytes;
   return options;
 }
 
 /// Deltas that have arrived and not been taken wait here; then the ingests' credit runs dry.
-ConsumerConfig consumer_config(const AtlasOptions& atlas) {
-  constexpr std::size_t kLeast = std::size_t{8} << 20;
+ConsumerConfig consumer_config(const MemoryPlan& plan) {
   ConsumerConfig config;
-  config.max_held_bytes = std::min(config.max_held_bytes, std::max(kLeast, atlas.cache_bytes / 16));
+  config.max_held_bytes = std::min(config.max_held_bytes, plan.arriving);
   return config;
 }
 
 class TilestoreProcess {
  public:
-  explicit TilestoreProcess(const TilestoreOptions& options) : options_(options) {}
+  TilestoreProcess(const TilestoreOptions& options, const MemoryPlan& plan)
+      : options_(options), plan_(plan) {}
 
   Status start();
   Status run();
@@ -58,6 +63,7 @@ class TilestoreProcess {
   std::vector<std::pair<std::string, double>> counters() const;
 
   TilestoreOptions options_;
+  MemoryPlan plan_;
   std::unique_ptr<RocksDbStore> store_;
   std::unique_ptr<Atlas> atlas_;
   std::unique_ptr<TilestoreService> service_;
@@ -80,7 +86,7 @@ Status TilestoreProcess::start() {
 Status TilestoreProcess::open_model() {
   const auto shard = static_cast<ShardId>(options_.shard);
   auto store = RocksDbStore::open(fmt::format("{}/shard-{}", options_.data_dir, shard),
-                                  store_options(options_.atlas));
+                                  store_options(plan_));
   if (!store) return pass_on(store);
   store_ = std::move(*store);
   auto stored = Atlas::stored_parameters(*store_, shard);
@@ -88,10 +94,11 @@ Status TilestoreProcess::open_model() {
   auto parameters =
       apply_options(options_.model, options_.shards, stored->value_or(ModelParameters{}));
   if (!parameters) return pass_on(parameters);
-  auto atlas = Atlas::open(*store_, shard, *parameters, options_.atlas);
+  auto atlas =
+      Atlas::open(*store_, shard, *parameters, atlas_options(plan_, options_.journal_max_bytes));
   if (!atlas) return pass_on(atlas, options_.data_dir);
   atlas_ = std::move(*atlas);
-  service_ = std::make_unique<TilestoreService>(*atlas_);
+  service_ = std::make_unique<TilestoreService>(*atlas_, plan_.commit);
   queries_ = std::make_unique<TileQueries>(*atlas_, *store_);
   log_info("shard {} of {} in {}: {}, {} journal records replayed", shard, options_.shards,
            options_.data_dir, *stored ? "opened" : "new", atlas_->stats().replayed_records);
@@ -106,7 +113,7 @@ Status TilestoreProcess::join_bus() {
   ports_ = std::make_unique<ReplyPorts>(*bus_);
   auto endpoint = Endpoint::create(EndpointClass::kStore, options_.shard);
   if (!endpoint) return pass_on(endpoint);
-  auto in = InLink::create(*bus_, *endpoint, consumer_config(options_.atlas));
+  auto in = InLink::create(*bus_, *endpoint, consumer_config(plan_));
   if (!in) return pass_on(in);
   in_ = std::move(*in);
   auto raw_tiles = RawTiles::create(*bus_, options_.compressors);
@@ -275,7 +282,9 @@ Result<ModelParameters> apply_options(const ModelOptions& options, std::int32_t 
 }
 
 Status serve_tilestore(const TilestoreOptions& options) {
-  TilestoreProcess process(options);
+  auto plan = MemoryPlan::of(options.memory_bytes);
+  if (!plan) return pass_on(plan);
+  TilestoreProcess process(options, *plan);
   if (auto started = process.start(); !started) return started;
   return process.run();
 }

@@ -24,7 +24,8 @@ struct TilestoreOptions {
   std::int32_t shard = 0;
   std::int32_t shards = 1;
   std::int32_t compressors = 1;
-  AtlasOptions atlas;
+  std::size_t memory_bytes = std::size_t{256} << 20;  ///< MemoryPlan's budget.
+  std::size_t journal_max_bytes = AtlasOptions{}.journal_max_bytes;
   ModelOptions model;
 };
 

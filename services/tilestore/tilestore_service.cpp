@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "base/log.hpp"
@@ -10,12 +11,14 @@
 
 namespace voxatlas {
 
-TilestoreService::TilestoreService(Atlas& atlas)
-    : atlas_(atlas), parameters_id_(parameters_id(atlas.parameters())) {
+TilestoreService::TilestoreService(Atlas& atlas, std::size_t commit_bytes)
+    : atlas_(atlas),
+      commit_bytes_(std::min(commit_bytes, kMaxCommitBytes)),
+      parameters_id_(parameters_id(atlas.parameters())) {
   order_.start_from(atlas.marks());
 }
 
-bool TilestoreService::has_room() const { return ready_bytes_ < kMaxReadyBytes; }
+bool TilestoreService::has_room() const { return ready_bytes_ < commit_bytes_; }
 
 void TilestoreService::take(const scan_delta_t& message, std::int64_t session,
                             std::int64_t number) {

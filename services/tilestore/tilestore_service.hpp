@@ -18,13 +18,13 @@ namespace voxatlas {
 /// Source:  DESIGN sections 6 and 7. A delta may be acknowledged when its scan's seq is at or below
 /// the
 ///          source's mark: it is in the journal, synced, whoever computed it.
-/// Memory:  ScanOrder's bound for each source; about kMaxReadyBytes of deltas before a commit.
+/// Memory:  ScanOrder's bound for each source; about `commit_bytes` of deltas before a commit.
 /// Threads: one at a time.
 class TilestoreService {
  public:
-  static constexpr std::size_t kMaxReadyBytes = std::size_t{8} << 20;
+  static constexpr std::size_t kMaxCommitBytes = std::size_t{8} << 20;
 
-  explicit TilestoreService(Atlas& atlas);
+  explicit TilestoreService(Atlas& atlas, std::size_t commit_bytes = kMaxCommitBytes);
 
   /// False: take no more deltas for now, let the ingests wait.
   bool has_room() const;
@@ -67,6 +67,7 @@ class TilestoreService {
   tile_update_t to_update(const TileChange& change) const;
 
   Atlas& atlas_;
+  std::size_t commit_bytes_;
   std::int64_t parameters_id_;
   ScanOrder order_;
   std::vector<ShardScan> ready_;  ///< In order, not yet durable.

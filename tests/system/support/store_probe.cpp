@@ -14,6 +14,7 @@
 #include <fstream>
 #include <stdexcept>
 
+#include "atlas/memory_plan.hpp"
 #include "octree/tile_hash.hpp"
 #include "store/rocksdb_store.hpp"
 #include "unit/atlas/atlas_world.hpp"
@@ -41,10 +42,13 @@ T or_throw(Result<T> result) {
 
 struct Shard {
   explicit Shard(const Options& options) {
+    const auto plan = or_throw(MemoryPlan::of(options.cache_mb << 20));
     RocksDbOptions how;
     how.sync = !options.no_sync;
+    how.memory_bytes = std::min(how.memory_bytes, plan.store);
+    how.write_buffer_bytes = std::min(how.write_buffer_bytes, plan.write_buffers);
     AtlasOptions limits;
-    limits.cache_bytes = options.cache_mb << 20;
+    limits.cache_bytes = plan.tiles;
     limits.journal_max_bytes = std::size_t{4} << 20;
     store = or_throw(RocksDbStore::open(options.directory + "/shard-0", how));
     atlas = or_throw(Atlas::open(*store, 0, ModelParameters{}, limits));
