@@ -120,6 +120,9 @@ function(vox_lcm_types name)
   add_library(vox_${name} INTERFACE)
   add_dependencies(vox_${name} vox_${name}_generated)
   target_include_directories(vox_${name} SYSTEM INTERFACE ${out})
+  # lcm-gen's decoders store a double through an int64_t*: under strict aliasing, once inlined, a
+  # pose has been seen to keep its old numbers.
+  target_compile_options(vox_${name} INTERFACE -fno-strict-aliasing)
   target_link_libraries(vox_${name} INTERFACE vox::lcm)
   add_library(vox::${name} ALIAS vox_${name})
 endfunction()

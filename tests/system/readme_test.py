@@ -24,8 +24,8 @@ class Readme(harness.SystemTest):
         cls.programs = dict(PROGRAM.findall(text))
         for name, source in cls.programs.items():
             (cls.bin / f"{name}.cpp").write_text(source, encoding="utf-8")
-            subprocess.run(["g++", "-std=c++17", "-Wall", "-Wextra", "-I", cls.bin,
-                            cls.bin / f"{name}.cpp", "-o", cls.bin / name, "-llcm"], check=True)
+            subprocess.run(["g++", "-std=c++17", "-O2", "-fno-strict-aliasing", "-Wall", "-Wextra", "-I",
+                            cls.bin, cls.bin / f"{name}.cpp", "-o", cls.bin / name, "-llcm"], check=True)
 
     def test_the_readme_holds_both_programs(self):
         self.assertEqual(sorted(self.programs), ["logger", "subscriber"])
