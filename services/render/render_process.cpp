@@ -58,9 +58,8 @@ Status RenderProcess::start() {
   const Grid grid = parameters->grid();
   RenderConfig config;
   config.cache_bytes = options_.cache_mb << 20;
-  auto service = RenderService::create(grid, store_tiles(*stores_, grid, options_.stores), config);
-  if (!service) return pass_on(service);
-  service_ = std::move(*service);
+  service_ =
+      std::make_unique<RenderService>(grid, store_tiles(*stores_, grid, options_.stores), config);
   frames_ = std::make_unique<FrameSender>(*bus_);
   bus_->subscribe<render_request_t>(kRenderRequestChannel, [this](const render_request_t& request) {
     service_->on_request(request);

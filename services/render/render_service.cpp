@@ -43,14 +43,6 @@ std::int32_t way_back(const render_request_t& request) {
 
 }  // namespace
 
-Result<std::unique_ptr<RenderService>> RenderService::create(const Grid& grid, TileSource source,
-                                                             const RenderConfig& config) {
-  auto maker = PictureMaker::create();
-  if (!maker) return pass_on(maker);
-  return std::unique_ptr<RenderService>(
-      new RenderService(grid, std::move(source), config, std::move(*maker)));
-}
-
 void RenderService::on_request(const render_request_t& request) {
   ++requests_;
   const auto offer = queue_.offer(request);
@@ -101,17 +93,34 @@ Status RenderService::draw(const render_request_t& request, frame_t& frame) {
   if (!colouring) return pass_on(colouring);
   auto camera = to_camera(request.camera);
   if (!camera) return pass_on(camera);
-  auto tiles = gather(*camera, request.depth, frame);
+  auto tiles = gather(*camera, frame);
   if (!tiles) return pass_on(tiles);
-  auto picture = maker_->make(*camera, grid_, tiles->clouds, {*colouring, true});
-  if (!picture) return pass_on(picture);
-  frame.cells = static_cast<std::int64_t>(picture->cells_drawn);
-  frame.draw_ms = picture->draw_ms;
-  frame.shade_ms = picture->shade_ms;
+  auto image = paint(*camera, *tiles, request.depth, *colouring, frame);
+  if (!image) return pass_on(image);
   const std::int64_t start = steady_utime();
-  auto encoded = encode(picture->image, frame);
+  auto encoded = encode(*image, frame);
   frame.encode_ms = milliseconds_since(start);
   return encoded;
+}
+
+Result<Image> RenderService::paint(const Camera& camera, const Tiles& tiles, int depth,
+                                   Colouring colouring, frame_t& frame) {
+  std::int64_t start = steady_utime();
+  CellImage cells;
+  SplatOptions options;
+  options.max_depth = depth;
+  if (auto drawn = splatter_.draw(camera, grid_, tiles.trees, options, cells); !drawn) {
+    return pass_on(drawn);
+  }
+  for (const PlacedTree& placed : tiles.trees) {
+    frame.cells += static_cast<std::int64_t>(placed.tree->cell_count(depth));
+  }
+  frame.draw_ms = milliseconds_since(start);
+  start = steady_utime();
+  auto image = shade(cells, TreeNumbers(tiles.trees), camera, grid_,
+                     scene_heights(camera, grid_, tiles.trees), colouring, splatter_.workers());
+  frame.shade_ms = milliseconds_since(start);
+  return image;
 }
 
 Status RenderService::encode(const Image& image, frame_t& frame) const {
@@ -133,8 +142,7 @@ Status RenderService::encode(const Image& image, frame_t& frame) const {
   return {};
 }
 
-Result<RenderService::Tiles> RenderService::gather(const Camera& camera, int depth,
-                                                   frame_t& frame) {
+Result<RenderService::Tiles> RenderService::gather(const Camera& camera, frame_t& frame) {
   const std::int64_t until = steady_utime() + config_.fetch_us;
   std::int64_t start = steady_utime();
   auto in_view = look_up(camera, until);
@@ -153,13 +161,13 @@ Result<RenderService::Tiles> RenderService::gather(const Camera& camera, int dep
     fetch(batch, until);
     frame.fetch_ms += milliseconds_since(start);
     start = steady_utime();
-    place(batch, depth, tiles);
+    place(batch, tiles);
     frame.build_ms += milliseconds_since(start);
     done += count;
   }
   tiles.missing += static_cast<std::int32_t>(in_view->size() - done);
   tiles_missing_ += static_cast<std::uint64_t>(tiles.missing);
-  frame.tiles = static_cast<std::int32_t>(tiles.clouds.size());
+  frame.tiles = static_cast<std::int32_t>(tiles.trees.size());
   frame.tiles_missing = tiles.missing;
   frame.newest_version = static_cast<std::int64_t>(tiles.newest);
   return tiles;
@@ -190,19 +198,19 @@ void RenderService::fetch(const std::vector<TileKey>& batch, std::int64_t until)
   if (!fetched) log_warning("tiles did not all come: {}", fetched.error().message);
 }
 
-void RenderService::place(const std::vector<TileKey>& batch, int depth, Tiles& tiles) {
+void RenderService::place(const std::vector<TileKey>& batch, Tiles& tiles) {
   for (const TileKey key : batch) {
     const std::uint64_t version = cache_.version(key);
     tiles.missing += version < directory_.version(key);
     if (version == 0) continue;
-    auto cloud = cache_.cloud(key, depth);
-    if (!cloud) {
+    auto tree = cache_.tree(key);
+    if (!tree) {
       ++tiles_broken_;
       tiles.missing += version >= directory_.version(key);  // Counted once.
-      log_warning("a tile is not drawn: {}", cloud.error().message);
+      log_warning("a tile is not drawn: {}", tree.error().message);
       continue;
     }
-    tiles.clouds.push_back({key, *cloud});
+    tiles.trees.push_back({key, *tree});
     tiles.newest = std::max(tiles.newest, version);
   }
 }

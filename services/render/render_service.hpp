@@ -2,7 +2,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -11,16 +10,19 @@
 #include "base/result.hpp"
 #include "bus/wire.hpp"
 #include "grid/grid.hpp"
-#include "render/cloud_cache.hpp"
-#include "render/picture.hpp"
+#include "render/image.hpp"
 #include "render/request_queue.hpp"
+#include "render/shade.hpp"
+#include "render/splatter.hpp"
 #include "render/tile_directory.hpp"
 #include "render/tile_source.hpp"
+#include "render/tree_cache.hpp"
 
 namespace voxatlas {
 
 struct RenderConfig {
   std::size_t cache_bytes = std::size_t{256} << 20;
+  std::size_t threads = 2;                        ///< That draw and shade.
   std::size_t jpeg_bytes = 150'000;               ///< Of a broadcast frame's picture, at most.
   int jpeg_quality = 85;                          ///< Where that fits.
   std::size_t png_bytes = std::size_t{60} << 20;  ///< What a reliable stream's consumer takes.
@@ -44,9 +46,12 @@ struct OutgoingFrame {
 /// Threads: one at a time; `source` may call on_request and on_tile_update while it waits.
 class RenderService {
  public:
-  /// Errors: kUnavailable where there is no OpenGL.
-  static Result<std::unique_ptr<RenderService>> create(const Grid& grid, TileSource source,
-                                                       const RenderConfig& config);
+  RenderService(const Grid& grid, TileSource source, const RenderConfig& config)
+      : grid_(grid),
+        source_(std::move(source)),
+        config_(config),
+        splatter_(config.threads),
+        cache_(config.cache_bytes) {}
 
   void on_request(const render_request_t& request);
   void on_tile_update(const tile_update_t& update);
@@ -59,31 +64,25 @@ class RenderService {
 
  private:
   struct Tiles {
-    std::vector<PlacedCloud> clouds;
+    std::vector<PlacedTree> trees;
     std::int32_t missing = 0;
     std::uint64_t newest = 0;
   };
 
-  RenderService(const Grid& grid, TileSource source, const RenderConfig& config,
-                std::unique_ptr<PictureMaker> maker)
-      : grid_(grid),
-        source_(std::move(source)),
-        config_(config),
-        maker_(std::move(maker)),
-        cache_(config.cache_bytes) {}
-
   Status draw(const render_request_t& request, frame_t& frame);
   Status encode(const Image& image, frame_t& frame) const;
-  Result<Tiles> gather(const Camera& camera, int depth, frame_t& frame);
+  Result<Tiles> gather(const Camera& camera, frame_t& frame);
+  Result<Image> paint(const Camera& camera, const Tiles& tiles, int depth, Colouring colouring,
+                      frame_t& frame);
   Result<std::vector<TileKey>> look_up(const Camera& camera, std::int64_t until);
   void fetch(const std::vector<TileKey>& batch, std::int64_t until);
-  void place(const std::vector<TileKey>& batch, int depth, Tiles& tiles);
+  void place(const std::vector<TileKey>& batch, Tiles& tiles);
 
   Grid grid_;
   TileSource source_;
   RenderConfig config_;
-  std::unique_ptr<PictureMaker> maker_;
-  CloudCache cache_;
+  Splatter splatter_;
+  TreeCache cache_;
   TileDirectory directory_;
   RequestQueue queue_;
   std::int64_t sequence_ = 0;

@@ -85,7 +85,7 @@ struct RenderBench {
   std::unique_ptr<RenderService> service;
 
   explicit RenderBench(const RenderConfig& config = {}) {
-    service = RenderService::create(scene.grid(), map.source(), config).value();
+    service = std::make_unique<RenderService>(scene.grid(), map.source(), config);
   }
 
   render_request_t request() const {

@@ -3,10 +3,10 @@
 #include "../../render/scene.hpp"
 #include "base/bytes.hpp"
 #include "codec/tile_codec.hpp"
-#include "render/cloud_cache.hpp"
 #include "render/request_queue.hpp"
 #include "render/store_tiles.hpp"
 #include "render/tile_directory.hpp"
+#include "render/tree_cache.hpp"
 
 namespace voxatlas {
 namespace {
@@ -85,14 +85,14 @@ Bytes tile_bytes(int cells) {
 }
 
 TEST_CASE("a cache drops what was drawn longest ago, never what is being drawn", "[render]") {
-  CloudCache cache(64'000);
+  TreeCache cache(200'000);
   for (std::uint32_t i = 0; i < 10; ++i) {
     cache.begin_picture();
     cache.put(key_at(i, 0, 0), 1, tile_bytes(1000));
-    REQUIRE(cache.cloud(key_at(i, 0, 0), 7).value()->cells().size() == 1000);
-    REQUIRE(cache.cloud(key_at(0, 0, 0), 7).has_value());  // Drawn in every picture.
+    REQUIRE(cache.tree(key_at(i, 0, 0)).value()->cell_count(7) == 1000);
+    REQUIRE(cache.tree(key_at(0, 0, 0)).has_value());  // Drawn in every picture.
     cache.trim();
-    REQUIRE(cache.bytes() <= 64'000);
+    REQUIRE(cache.bytes() <= 200'000);
   }
   REQUIRE(cache.version(key_at(0, 0, 0)) == 1);
   REQUIRE(cache.version(key_at(1, 0, 0)) == 0);
@@ -100,25 +100,24 @@ TEST_CASE("a cache drops what was drawn longest ago, never what is being drawn",
 
   cache.begin_picture();
   for (std::uint32_t i = 20; i < 40; ++i) cache.put(key_at(i, 0, 0), 1, tile_bytes(1000));
-  for (std::uint32_t i = 20; i < 40; ++i) REQUIRE(cache.cloud(key_at(i, 0, 0), 7).has_value());
+  for (std::uint32_t i = 20; i < 40; ++i) REQUIRE(cache.tree(key_at(i, 0, 0)).has_value());
   cache.trim();
   REQUIRE(cache.tiles() == 20);  // All of this picture, above the budget as they are.
   cache.begin_picture();
   cache.trim();
-  REQUIRE(cache.bytes() <= 64'000);
+  REQUIRE(cache.bytes() <= 200'000);
 }
 
 TEST_CASE("a cache takes newer versions only, and its count of bytes comes back to nothing",
           "[render]") {
-  CloudCache cache(0);
+  TreeCache cache(0);
   const TileKey key = key_at(1, 2, 3);
   cache.put(key, 2, tile_bytes(10));
-  REQUIRE(cache.cloud(key, 7).value()->cells().size() == 10);
+  REQUIRE(cache.tree(key).value()->cell_count(7) == 10);
   cache.put(key, 1, tile_bytes(20));
-  REQUIRE(cache.cloud(key, 7).value()->cells().size() == 10);
+  REQUIRE(cache.tree(key).value()->cell_count(7) == 10);
   cache.put(key, 3, tile_bytes(30));
-  REQUIRE(cache.cloud(key, 7).value()->cells().size() == 30);
-  REQUIRE(cache.cloud(key, 3).has_value());
+  REQUIRE(cache.tree(key).value()->cell_count(7) == 30);
   REQUIRE(cache.bytes() > 0);
   cache.begin_picture();
   cache.trim();
@@ -127,12 +126,12 @@ TEST_CASE("a cache takes newer versions only, and its count of bytes comes back 
 }
 
 TEST_CASE("a tile that is not here, or is none, is an error that names it", "[render]") {
-  CloudCache cache(1000);
+  TreeCache cache(1000);
   const TileKey key = key_at(1, 0, 0);
-  REQUIRE(cache.cloud(key, 7).error().code == ErrorCode::kNotFound);
+  REQUIRE(cache.tree(key).error().code == ErrorCode::kNotFound);
   cache.put(key, 1, {9, 9, 9});
-  REQUIRE(cache.cloud(key, 7).error().code == ErrorCode::kCorrupt);
-  REQUIRE_THAT(cache.cloud(key, 7).error().message, Catch::Contains("0x1"));
+  REQUIRE(cache.tree(key).error().code == ErrorCode::kCorrupt);
+  REQUIRE_THAT(cache.tree(key).error().message, Catch::Contains("0x1"));
 }
 
 TEST_CASE("a page of tiles is read row by row, and a false one refused", "[render]") {

@@ -27,20 +27,27 @@ TEST_CASE("a PNG frame is the picture of the tiles themselves", "[render][oracle
 
   // Oracle: drawn straight from the trees, in the order the frustum gives.
   const auto keys = tiles_in_view(bench.camera, bench.scene.grid(), bench.scene.keys());
-  std::vector<CellCloud> clouds;
-  std::vector<PlacedCloud> placed;
-  clouds.reserve(keys.size());
+  std::vector<RenderTree> trees;
+  std::vector<PlacedTree> placed;
+  std::uint64_t cells_to_draw = 0;
+  trees.reserve(keys.size());
   for (const TileKey key : keys) {
-    clouds.emplace_back(bench.scene.tiles().at(key), 7);
-    placed.push_back({key, &clouds.back()});
+    trees.emplace_back(bench.scene.tiles().at(key));
+    placed.push_back({key, &trees.back()});
+    cells_to_draw += trees.back().cell_count(7);
   }
-  auto maker = PictureMaker::create().value();
-  const auto picture = maker->make(bench.camera, bench.scene.grid(), placed, {});
-  REQUIRE(decode_png(frame.data).value() == picture->image);
+  const Grid& grid = bench.scene.grid();
+  Splatter splatter(1);
+  CellImage cells;
+  REQUIRE(splatter.draw(bench.camera, grid, placed, {}, cells).has_value());
+  const Image image =
+      shade(cells, TreeNumbers(placed), bench.camera, grid,
+            scene_heights(bench.camera, grid, placed), Colouring::kRgb, splatter.workers());
+  REQUIRE(decode_png(frame.data).value() == image);
   REQUIRE(frame.tiles == static_cast<std::int32_t>(keys.size()));
   REQUIRE(frame.tiles_missing == 0);
   REQUIRE(frame.newest_version == 1);
-  REQUIRE(frame.cells == static_cast<std::int64_t>(picture->cells_drawn));
+  REQUIRE(frame.cells == static_cast<std::int64_t>(cells_to_draw));
   REQUIRE(frame.draw_ms > 0);
 }
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -8,19 +7,19 @@
 
 #include "base/bytes.hpp"
 #include "base/result.hpp"
-#include "render/cell_cloud.hpp"
+#include "render/render_tree.hpp"
 
 namespace voxatlas {
 
-/// Tiles that were fetched, encoded as they came, and the clouds made of them.
+/// Tiles that were fetched, encoded as they came, and the render trees made of them.
 ///
 /// Memory:  at most the budget, but for what one picture needs at once: the least recently drawn go
 ///          first; a tile of the picture being drawn never goes.
-/// Threads: one at a time. A cloud's address is good until begin_picture(), put() of its tile or
+/// Threads: one at a time. A tree's address is good until begin_picture(), put() of its tile or
 ///          trim().
-class CloudCache {
+class TreeCache {
  public:
-  explicit CloudCache(std::size_t budget_bytes) : budget_(budget_bytes) {}
+  explicit TreeCache(std::size_t budget_bytes) : budget_(budget_bytes) {}
 
   /// Tiles asked for from here on belong to this picture.
   void begin_picture() { ++picture_; }
@@ -30,9 +29,9 @@ class CloudCache {
   /// 0 where it is not here.
   std::uint64_t version(TileKey key) const;
 
-  /// The tile as it is drawn at a depth; made now if it was not. Errors: kNotFound where the tile
+  /// The tile as it is drawn; made now if it was not. Errors: kNotFound where the tile
   /// is not here, decode_tile's where its bytes are no tile (said again each time).
-  Result<const CellCloud*> cloud(TileKey key, int depth);
+  Result<const RenderTree*> tree(TileKey key);
 
   /// Drops tiles until the budget holds or only this picture's are left.
   void trim();
@@ -46,7 +45,7 @@ class CloudCache {
     std::uint64_t version = 0;
     std::uint64_t picture = 0;  // The last that drew it.
     Bytes encoded;
-    std::array<std::optional<CellCloud>, kDepth + 1> clouds;
+    std::optional<RenderTree> tree;
     std::size_t bytes() const;
   };
 

@@ -1,4 +1,4 @@
-#include "render/cloud_cache.hpp"
+#include "render/tree_cache.hpp"
 
 #include <fmt/format.h>
 
@@ -10,46 +10,43 @@
 
 namespace voxatlas {
 
-std::size_t CloudCache::Tile::bytes() const {
-  std::size_t sum = sizeof(Tile) + encoded.capacity();
-  for (const auto& cloud : clouds) sum += cloud ? cloud->memory_bytes() : 0;
-  return sum;
+std::size_t TreeCache::Tile::bytes() const {
+  return sizeof(Tile) + encoded.capacity() + (tree ? tree->memory_bytes() : 0);
 }
 
-void CloudCache::put(TileKey key, std::uint64_t version, Bytes bytes) {
+void TreeCache::put(TileKey key, std::uint64_t version, Bytes bytes) {
   Tile& tile = tiles_[key];
   if (tile.version >= version) return;
   if (tile.version != 0) bytes_ -= tile.bytes();
   tile.version = version;
   tile.encoded = std::move(bytes);
-  tile.clouds = {};
+  tile.tree.reset();
   tile.picture = picture_;
   bytes_ += tile.bytes();
 }
 
-std::uint64_t CloudCache::version(TileKey key) const {
+std::uint64_t TreeCache::version(TileKey key) const {
   const auto found = tiles_.find(key);
   return found == tiles_.end() ? 0 : found->second.version;
 }
 
-Result<const CellCloud*> CloudCache::cloud(TileKey key, int depth) {
+Result<const RenderTree*> TreeCache::tree(TileKey key) {
   const auto found = tiles_.find(key);
   if (found == tiles_.end()) {
     return fail(ErrorCode::kNotFound, fmt::format("tile {:#x} is not in the cache", key.morton()));
   }
   Tile& tile = found->second;
   tile.picture = picture_;
-  auto& cloud = tile.clouds[static_cast<std::size_t>(depth)];
-  if (!cloud) {
-    auto tree = decode_tile(tile.encoded);
-    if (!tree) return pass_on(tree, fmt::format("tile {:#x}", key.morton()));
-    cloud.emplace(*tree, depth);
-    bytes_ += cloud->memory_bytes();
+  if (!tile.tree) {
+    auto decoded = decode_tile(tile.encoded);
+    if (!decoded) return pass_on(decoded, fmt::format("tile {:#x}", key.morton()));
+    tile.tree.emplace(*decoded, tile.version);
+    bytes_ += tile.tree->memory_bytes();
   }
-  return &*cloud;
+  return &*tile.tree;
 }
 
-void CloudCache::trim() {
+void TreeCache::trim() {
   if (bytes_ <= budget_) return;
   std::vector<std::pair<std::uint64_t, TileKey>> oldest_first;
   for (const auto& [key, tile] : tiles_) {
