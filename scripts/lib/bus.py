@@ -17,40 +17,57 @@ class BusError(Exception):
 
 
 class Bus:
-    """A URL that works, and what was done for it. `url` is None where a hub has to run first."""
+    """A URL that works, and what was done for it. `url` is None where a hub has to run first.
 
-    def __init__(self, url, how, route_added=False):
-        self.url = url
-        self.how = how
-        self.route_added = route_added
+    leave() may be called at any moment, also when find() was interrupted: a route counts as ours
+    from before it is added, if there was none.
+    """
 
-    @staticmethod
-    def find(bin_dir, url=None, hub=False):
+    def __init__(self):
+        self.url = None
+        self.how = "not looked for yet"
+        self.route_is_ours = False
+
+    def find(self, bin_dir, url=None, hub=False):
         """`url`: this one and no other. `hub`: the hub at once. Neither: whatever works."""
         if hub:
-            return Bus(None, "the hub, as asked")
-        if url is None and os.environ.get("VOX_NAMESPACE") == "0":
-            return Bus(None, "the hub, for want of a network namespace")
-        wanted = url or os.environ.get("LCM_DEFAULT_URL") or DEFAULT_URL
+            self.how = "the hub, as asked"
+        elif url is None and os.environ.get("VOX_NAMESPACE") == "0":
+            self.how = "the hub, for want of a network namespace"
+        else:
+            self._try(bin_dir, url or os.environ.get("LCM_DEFAULT_URL") or DEFAULT_URL,
+                      may_be_hub=url is None)
+
+    def _try(self, bin_dir, wanted, may_be_hub):
         reason = probe(bin_dir, wanted)
         if reason is None:
-            return Bus(wanted, "probed")
-        if wanted.startswith("udpm:") and add_route():
+            self.url, self.how = wanted, "probed"
+            return
+        if wanted.startswith("udpm:") and self._add_route():
             if probe(bin_dir, wanted) is None:
-                return Bus(wanted, "probed, after adding a multicast route on lo", route_added=True)
-            remove_route()
-        if url is not None:
+                self.url, self.how = wanted, "probed, after adding a multicast route on lo"
+                return
+            self.leave()
+        if not may_be_hub:
             raise BusError(f"no message comes back on {wanted}: {reason}")
-        return Bus(None, f"the hub, as no message comes back on {wanted}: {reason}")
+        self.how = f"the hub, as no message comes back on {wanted}: {reason}"
+
+    def _add_route(self):
+        """Whether a multicast route on lo could be added. Never takes the place of another."""
+        if route_is_there() or not _ip("link", "set", "lo", "up"):
+            return False
+        self.route_is_ours = True
+        self.route_is_ours = _ip("route", "add", *ROUTE)
+        return self.route_is_ours
 
     def hub_runs(self, port):
         self.url = f"tcpq://127.0.0.1:{port}"
 
     def leave(self):
         """Undoes what find() did to the machine."""
-        if self.route_added:
-            remove_route()
-            self.route_added = False
+        if self.route_is_ours:
+            _ip("route", "del", *ROUTE)
+            self.route_is_ours = False
 
 
 def probe(bin_dir, url):
@@ -63,13 +80,13 @@ def probe(bin_dir, url):
     return words.splitlines()[-1]
 
 
-def add_route():
-    """Whether a multicast route on lo could be added. Never takes the place of another route."""
-    return _ip("link", "set", "lo", "up") and _ip("route", "add", *ROUTE)
-
-
-def remove_route():
-    return _ip("route", "del", *ROUTE)
+def route_is_there():
+    try:
+        shown = subprocess.run(["ip", "route", "show", "exact", ROUTE[0]], capture_output=True,
+                               check=False)
+    except FileNotFoundError:
+        return False
+    return bool(shown.stdout.strip())
 
 
 def _ip(*arguments):

@@ -131,7 +131,8 @@ class ServiceSet:
             (self.data_dir / "logs").mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise SetError(f"data folder {self.data_dir}: {error.strerror}") from error
-        self.bus = Bus.find(self.bin_dir, **self.wanted)
+        self.bus = Bus()
+        self.bus.find(self.bin_dir, **self.wanted)
         if self.bus.url is None:
             self._start_hub()
         services = self._services()

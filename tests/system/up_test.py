@@ -10,6 +10,7 @@ import signal
 import stat
 import subprocess
 import sys
+import time
 import unittest
 
 from support import harness
@@ -24,6 +25,9 @@ if name == "voxatlas":
     sys.exit(0)
 if "--probe" in sys.argv:
     works = (here / "works").read_text()
+    if works.startswith("stalls") and os.popen("ip route show 224.0.0.0/4").read():
+        os.write(os.open(here / "ready", os.O_RDWR), b".")
+        signal.pause()
     print("nothing came back")
     sys.exit(0 if works and sys.argv[-1].startswith(works) else 1)
 signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGTERM})
@@ -71,6 +75,10 @@ class Up(harness.SystemTest):
                 return lines
         self.fail("\n".join([*lines, process.stderr.read()]))
 
+    def wait_for_a_word(self):
+        """A pretender says by the fifo that it runs, and no longer dies of SIGTERM."""
+        os.read(os.open(self.bin / "ready", os.O_RDWR), 1)
+
     def stop(self, process):
         process.send_signal(signal.SIGTERM)
         out, err = process.communicate()
@@ -108,20 +116,55 @@ class Up(harness.SystemTest):
         self.assertIn("render 0 ended with exit code 1", err)
         self.assertIn("the disk is full", err)
 
-    def test_a_service_that_is_killed_is_started_again_but_not_for_ever(self):
+    def test_a_service_that_is_killed_is_started_again_and_waits_longer_each_time(self):
         process = self.up()
         lines = self.lines_until_all_ready(process)
         pid = next(int(line.split()[4].strip(",")) for line in lines if line.startswith("ingest"))
-        for _ in range(2):
+        for wait in ("at once", "in 0.5 s", "in 1 s"):
+            killed = time.monotonic()
             os.kill(pid, signal.SIGKILL)
             again = process.stdout.readline().split()
             self.assertEqual(again[1:5], ["ingest", "0", "started", "again,"])
+            least = float(wait.split()[1]) if wait != "at once" else 0
+            self.assertGreaterEqual(time.monotonic() - killed, least)
             pid = int(again[-1])
-        os.kill(pid, signal.SIGKILL)
+            self.wait_for_a_word()
+        process.send_signal(signal.SIGTERM)
         _, err = process.communicate()
-        self.assertEqual(process.returncode, 1)
-        self.assertIn("ingest 0 was ended by SIGKILL", err)
-        self.assertIn("3 times", err)
+        self.assertEqual(process.returncode, 0, err)
+        self.assertEqual([line for line in err.splitlines() if "starts again" in line],
+                         [f"up: ingest 0 starts again {wait}"
+                          for wait in ("at once", "in 0.5 s", "in 1 s")])
+        self.assertEqual(err.count("ingest 0 was ended by SIGKILL"), 3)
+
+    def test_while_one_waits_to_be_started_again_another_is_started(self):
+        process = self.up()
+        lines = self.lines_until_all_ready(process)
+        pids = {line.split()[0]: int(line.split()[4].strip(",")) for line in lines[1:-1]}
+        for _ in range(3):
+            os.kill(pids["ingest"], signal.SIGKILL)
+            pids["ingest"] = int(process.stdout.readline().split()[-1])
+            self.wait_for_a_word()
+        os.kill(pids["ingest"], signal.SIGKILL)
+        os.kill(pids["render"], signal.SIGKILL)
+        self.assertIn("render 0 started again", process.stdout.readline())
+        self.wait_for_a_word()
+        self.stop(process)
+
+    @unittest.skipUnless(harness.multicast_here(), "no network namespace of its own")
+    def test_a_route_goes_away_again_when_up_is_stopped_while_it_tries_it(self):
+        route = ["224.0.0.0/4", "dev", "lo"]
+        subprocess.run(["ip", "route", "del", *route], check=True)
+        self.addCleanup(subprocess.run, ["ip", "route", "replace", *route], check=True)
+        (self.bin / "works").write_text("stalls where there is a route")
+        process = self.up()
+        self.wait_for_a_word()  # The route is being tried.
+        process.send_signal(signal.SIGINT)
+        out, err = process.communicate()
+        self.assertEqual(process.returncode, 0, err)
+        self.assertIn("SIGINT, stopping", out)
+        shown = subprocess.run(["ip", "route", "show", route[0]], capture_output=True, check=True)
+        self.assertEqual(shown.stdout, b"")
 
     def test_without_multicast_the_hub_carries_the_bus_and_ends_last(self):
         (self.bin / "works").write_text("")
