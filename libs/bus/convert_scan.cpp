@@ -42,7 +42,7 @@ Result<ScanIdentity> identity_of(const scan_t& message) {
   return ScanIdentity{message.source, message.session, message.seq};
 }
 
-Result<Scan> to_scan(const scan_t& message) {
+Result<SensorScan> to_sensor_scan(const scan_t& message) {
   if (auto sizes = check_sizes(message); !sizes) return pass_on(sizes);
   auto pose = Pose::from_rows(message.ecef_from_sensor);
   if (!pose) return pass_on(pose, "scan_t.ecef_from_sensor");
@@ -64,7 +64,13 @@ Result<Scan> to_scan(const scan_t& message) {
       seen.colours.push_back({at[0], at[1], at[2]});
     }
   }
-  return to_scan(seen, message.sigma, message.min_range);
+  return seen;
+}
+
+Result<Scan> to_scan(const scan_t& message) {
+  const auto seen = to_sensor_scan(message);
+  if (!seen) return fail(seen.error().code, seen.error().message);
+  return to_scan(*seen, message.sigma, message.min_range);
 }
 
 scan_t to_message(const SensorScan& scan, const ScanIdentity& identity, double sigma,

@@ -23,6 +23,9 @@ struct ScanIdentity {
 /// Errors: kOutOfRange for an empty or overlong source, a negative session or seq.
 Result<ScanIdentity> identity_of(const scan_t& message);
 
+/// The points of a scan or of one part of it, as the sensor saw them. Errors: as to_scan.
+Result<SensorScan> to_sensor_scan(const scan_t& message);
+
 /// A whole scan (part 0 of 1) in ECEF, each endpoint rotated and moved in double.
 /// Errors: kOutOfRange for a pose that is none (Pose's errors), kCorrupt for sizes that contradict.
 ///         sigma is the integrator's to judge.

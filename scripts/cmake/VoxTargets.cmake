@@ -102,13 +102,18 @@ function(vox_bench name)
   target_link_libraries(bench_${name} PRIVATE ${arg_DEPS} vox_flags CLI11::CLI11)
 endfunction()
 
-# vox_lcm_types(lcmtypes scan_t.lcm ...)   ->   target vox::lcmtypes, headers <voxatlas/scan_t.hpp>
+# vox_lcm_types(lcmtypes scan_t.lcm bot_core/pose_t.lcm ...)
+#   ->   target vox::lcmtypes, headers <voxatlas/scan_t.hpp>, <bot_core/pose_t.hpp>: a folder is a package
 function(vox_lcm_types name)
   set(out ${CMAKE_CURRENT_BINARY_DIR}/generated)
   set(headers)
   foreach(file IN LISTS ARGN)
     get_filename_component(type ${file} NAME_WE)
-    set(header ${out}/voxatlas/${type}.hpp)
+    get_filename_component(package ${file} DIRECTORY)
+    if(NOT package)
+      set(package voxatlas)
+    endif()
+    set(header ${out}/${package}/${type}.hpp)
     add_custom_command(
       OUTPUT ${header}
       COMMAND ${LCM_GEN} --cpp --cpp-std c++11 --cpp-hpath ${out} ${CMAKE_CURRENT_SOURCE_DIR}/${file}

@@ -16,6 +16,7 @@
 
 #include "base/log.hpp"
 #include "bus/bus_url.hpp"
+#include "bus/lcm_log.hpp"
 #include "bus/service_loop.hpp"
 #include "cli/publish.hpp"
 #include "cli/render.hpp"
@@ -88,14 +89,20 @@ static void declare_publish(CLI::App& app, Command& command) {
                                               "durable, and run again goes on where it was",
                                               command, run_publish);
   add_url(*sub, options.url);
-  auto* folder = sub->add_option("folder", options.kitti.folder,
-                                 "scans in KITTI odometry form: velodyne/NNNNNN.bin, times.txt");
+  auto* folder = sub->add_option("input", options.kitti.folder,
+                                 "scans in KITTI odometry form: a folder with velodyne/NNNNNN.bin "
+                                 "and times.txt; or a log of lcm-logger, which holds "
+                                 "voxatlas.scan_t, or bot_core.pointcloud_t and pose_t");
   auto* poses =
       sub->add_option("--poses", options.kitti.poses,
                       "12 numbers a line, ecef_from_sensor; looked up in the folder first");
   sub->add_option(
       "--origin", options.kitti.origin,
       "LAT,LON,HEIGHT of the poses' local frame (east, north, up), where they have one");
+  sub->add_option("--cloud-channel", options.log.cloud_channel,
+                  "of a log: take the clouds of this channel alone");
+  sub->add_option("--pose-channel", options.log.pose_channel,
+                  "of a log: the channel of the clouds' poses, where there are several");
   auto* simulate = sub->add_option("--simulate", options.simulate,
                                    "publish so many scans of the simulated drive instead");
   sub->add_option("--seed", options.seed, "of the simulated drive")->capture_default_str();
@@ -111,11 +118,14 @@ static void declare_publish(CLI::App& app, Command& command) {
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
   sub->add_flag("--json", options.json, "print the result as JSON");
-  folder->excludes(simulate)->needs(poses);
+  folder->excludes(simulate);
   poses->needs(folder);
-  sub->parse_complete_callback([sub] {
-    if (sub->count("folder") + sub->count("--simulate") == 0) {
-      throw CLI::RequiredError("a folder with --poses, or --simulate N,");
+  sub->parse_complete_callback([sub, &options] {
+    if (sub->count("input") + sub->count("--simulate") == 0) {
+      throw CLI::RequiredError("a folder with --poses, a log, or --simulate N,");
+    }
+    if (sub->count("input") > 0 && !is_lcm_log(options.kitti.folder)) {
+      if (sub->count("--poses") == 0) throw CLI::RequiredError("--poses, for a folder of scans,");
     }
   });
 }

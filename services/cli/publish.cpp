@@ -8,6 +8,7 @@
 #include "base/log.hpp"
 #include "base/utime.hpp"
 #include "bus/convert_scan.hpp"
+#include "bus/lcm_log.hpp"
 #include "bus/service_loop.hpp"
 #include "cli/json_text.hpp"
 #include "cli/model_client.hpp"
@@ -19,6 +20,15 @@ namespace voxatlas {
 namespace {
 
 constexpr std::int64_t kSilence = 30'000'000;  ///< Of every ingest: then nobody is there.
+
+Result<ScanInput> open_input(const PublishOptions& options) {
+  if (options.simulate > 0) return open_simulated(options.simulate, options.seed);
+  if (!is_lcm_log(options.kitti.folder)) return open_kitti(options.kitti);
+  LogInput log = options.log;
+  log.path = options.kitti.folder;
+  log.origin = options.kitti.origin;
+  return open_log(log);
+}
 
 /// One run of `publish`: its input, its place in it, and what became of what was sent.
 class PublishRun {
@@ -48,8 +58,7 @@ class PublishRun {
 };
 
 Status PublishRun::start() {
-  auto input = options_.simulate > 0 ? open_simulated(options_.simulate, options_.seed)
-                                     : open_kitti(options_.kitti);
+  auto input = open_input(options_);
   if (!input) return pass_on(input);
   input_ = std::move(*input);
   next_.source = options_.source.empty() ? input_.name.substr(0, ScanIdentity::kMaxSourceBytes)
@@ -117,9 +126,9 @@ Status PublishRun::publish_next(std::int64_t now) {
     if (!damage_) damage_ = std::move(read->damage);
   }
   rays_ += read->scan.points_sensor.size();
-  publisher_->publish(to_message(read->scan, next_, options_.sigma.value_or(input_.sigma),
-                                 options_.min_range.value_or(input_.min_range)),
-                      now);
+  const double sigma = options_.sigma.value_or(read->sigma.value_or(input_.sigma));
+  const double min_range = options_.min_range.value_or(read->min_range.value_or(input_.min_range));
+  publisher_->publish(to_message(read->scan, next_, sigma, min_range), now);
   ++next_.seq;
   return {};
 }

@@ -5,13 +5,15 @@
 #include <string>
 
 #include "base/result.hpp"
+#include "cli/log_input.hpp"
 #include "cli/scan_input.hpp"
 
 namespace voxatlas {
 
 struct PublishOptions {
   std::string url;
-  KittiInput kitti;          ///< A folder, or
+  KittiInput kitti;          ///< A folder, or, where that names a log of lcm-logger,
+  LogInput log;              ///< the rest of what is said of it, or
   std::size_t simulate = 0;  ///< so many scans of the simulated drive.
   std::uint64_t seed = 1;
   std::string source;                   ///< Empty: the input's name.

@@ -14,15 +14,10 @@
 
 namespace voxatlas {
 
-namespace {
-
-/// Not negative, and the same for the same text.
-std::int64_t identity_of(const std::string& text) {
+std::int64_t identity_of_input(const std::string& text) {
   const Sha256Digest digest = sha256(as_bytes(text));
   return ByteReader(digest).get<std::int64_t>() & INT64_MAX;
 }
-
-}  // namespace
 
 Result<ScanInput> open_kitti(const KittiInput& input) {
   KittiOptions options;
@@ -40,14 +35,14 @@ Result<ScanInput> open_kitti(const KittiInput& input) {
   std::error_code none;
   const auto path = std::filesystem::weakly_canonical(input.folder, none);
   result.name = path.filename().empty() ? path.parent_path().filename() : path.filename();
-  result.identity = identity_of(path.string() + '\n' + input.poses + '\n' + input.origin);
+  result.identity = identity_of_input(path.string() + '\n' + input.poses + '\n' + input.origin);
   result.scans = folder->scan_count();
   result.min_range = 2.5;  // Nearer returns of a scanner on a car's roof are the car.
   result.ending = folder->ending();
   result.read = [folder](std::size_t index) -> Result<InputScan> {
     auto scan = folder->read(index);
     if (!scan) return pass_on(scan);
-    return InputScan{std::move(scan->scan), std::move(scan->damage)};
+    return InputScan{std::move(scan->scan), std::move(scan->damage), {}, {}};
   };
   return result;
 }
@@ -66,11 +61,11 @@ Result<ScanInput> open_simulated(std::size_t scans, std::uint64_t seed) {
 
   ScanInput result;
   result.name = "simulated";
-  result.identity = identity_of(fmt::format("simulated drive, seed {}", seed));
+  result.identity = identity_of_input(fmt::format("simulated drive, seed {}", seed));
   result.scans = scans;
   result.sigma = drive_options.sigma;
   result.read = [city, drive = std::move(*drive)](std::size_t index) -> Result<InputScan> {
-    return InputScan{drive.simulate(index), std::nullopt};
+    return InputScan{drive.simulate(index), {}, {}, {}};
   };
   return result;
 }

@@ -14,6 +14,7 @@ namespace voxatlas {
 struct InputScan {
   SensorScan scan;
   std::optional<Error> damage;  ///< To be told at the end; the scan counts with what it has.
+  std::optional<double> sigma, min_range;  ///< Where the scan itself says, metres.
 };
 
 /// Where `publish` takes scans from: a folder, or the simulated drive.
@@ -34,6 +35,9 @@ struct KittiInput {
   std::string
       origin;  ///< "LAT,LON,HEIGHT" (degrees, metres), or empty: poses are ecef_from_sensor.
 };
+
+/// 63 bits, not negative, that are the same for the same description of an input.
+std::int64_t identity_of_input(const std::string& description);
 
 /// Errors: what cannot be read at all; what is damaged at its end gives the whole scans and
 /// `ending`.

@@ -1,0 +1,151 @@
+#!/usr/bin/env python3
+"""`voxatlas publish` of an LCM log, written by the types that lcm-gen makes for Python."""
+
+import collections
+import importlib
+import signal
+import struct
+import subprocess
+import sys
+import time
+
+from support import harness
+
+from service_set import ServiceSet, default_bin_dir
+
+SCANS = 3
+POINTS_A_PART = 3900
+# Between two parts, so that a receiver with a default buffer keeps up while it is played.
+PACE_US = 10_000
+EVENT_HEAD = struct.Struct(">Iqqii")
+PATIENCE_SECONDS = 60
+
+
+def parts_of(folder, scan_t, count):
+    """The first scans of a folder as a logger publishes them: parts that fit a datagram."""
+    times = (folder / "times.txt").read_text().split()
+    poses = (folder / "poses.txt").read_text().splitlines()
+    for seq, (taken, pose) in enumerate(zip(times[:count], poses)):
+        returns = (folder / "velodyne" / f"{seq:06}.bin").read_bytes()
+        points = [returns[i:i + 12] for i in range(0, len(returns), 16)]
+        colours = (folder / "colours" / f"{seq:06}.bin").read_bytes()
+        firsts = range(0, len(points), POINTS_A_PART)
+        for part, first in enumerate(firsts):
+            scan = scan_t()
+            scan.utime = round(float(taken) * 1e6)
+            scan.source, scan.session, scan.seq = "logger", 5, seq
+            scan.part, scan.parts = part, len(firsts)
+            scan.sigma, scan.min_range = 0.02, 2.5
+            scan.ecef_from_sensor = [float(number) for number in pose.split()]
+            some = points[first:first + POINTS_A_PART]
+            scan.coloured, scan.count = 1, len(some)
+            scan.points = b"".join(some) + colours[3 * first:3 * (first + len(some))]
+            scan.size = len(scan.points)
+            yield scan
+
+
+def write_log(folder, scan_t, file, count):
+    """The first scans of a folder in a log of lcm-logger's format, heard at an even pace."""
+    channel = b"VOXATLAS_SCAN"
+    with open(file, "wb") as out:
+        for number, scan in enumerate(parts_of(folder, scan_t, count)):
+            data, utime = scan.encode(), 1_000_000 + number * PACE_US
+            out.write(EVENT_HEAD.pack(0xEDA1DA01, number, utime, len(channel), len(data)))
+            out.write(channel + data)
+
+
+def wait_until(fact, what):
+    """For what only a file tells of."""
+    end = time.monotonic() + PATIENCE_SECONDS
+    while not fact():
+        if time.monotonic() > end:
+            raise AssertionError(f"{what} did not come within {PATIENCE_SECONDS} s")
+        time.sleep(0.02)
+
+
+def channels_in(log):
+    """How often each channel stands in a log, read by its format."""
+    channels, at, data = collections.Counter(), 0, log.read_bytes()
+    while at + EVENT_HEAD.size <= len(data):
+        sync, _, _, name_bytes, data_bytes = EVENT_HEAD.unpack_from(data, at)
+        assert sync == 0xEDA1DA01, f"{log}: no event at byte {at}"
+        at += EVENT_HEAD.size
+        channels[data[at:at + name_bytes].decode()] += 1
+        at += name_bytes + data_bytes
+    return channels
+
+
+class Log(harness.SystemTest):
+    def setUp(self):
+        super().setUp()
+        types = harness.temporary_folder(self)
+        subprocess.run(["lcm-gen", "--python", "--ppath", types,
+                        harness.ROOT / "lcmtypes" / "scan_t.lcm"], check=True,
+                       stdout=subprocess.DEVNULL)
+        sys.path.insert(0, str(types))
+        self.addCleanup(sys.path.remove, str(types))
+        self.scan_t = importlib.import_module("voxatlas.scan_t").scan_t
+        self.drive = self.folder / "drive"
+        subprocess.run([default_bin_dir() / "voxatlas", "simulate", str(SCANS), "--out",
+                        self.drive], check=True, stdin=subprocess.DEVNULL, capture_output=True)
+        self.log = self.folder / "drive.lcm"
+        write_log(self.drive, self.scan_t, self.log, SCANS)
+
+    def publish(self, services, *what):
+        return subprocess.run([default_bin_dir() / "voxatlas", "publish", *what],
+                              env=services.env(), capture_output=True, text=True, check=False,
+                              stdin=subprocess.DEVNULL)
+
+    def hashes_after(self, name, *publish, code=0):
+        """The model's hashes when this was published twice: the second time adds nothing."""
+        with ServiceSet(self.folder / name, renders=0) as services:
+            for _ in range(2):
+                done = self.publish(services, *publish)
+                self.assertEqual(done.returncode, code, done.stderr)
+                self.assertEqual("cut off" in done.stderr, code == 1, done.stderr)
+            file = self.folder / f"{name}.txt"
+            services.run("stat", "--hashes", file, quiet=True)
+            return sorted(file.read_text().splitlines())
+
+    def test_a_log_makes_the_model_that_its_folder_makes(self):
+        expected = self.hashes_after("folder", self.drive, "--poses", "poses.txt")
+        self.assertGreater(len(expected), 10)
+        self.assertEqual(self.hashes_after("log", self.log), expected)
+
+    def test_of_a_log_cut_off_the_whole_scans_count_and_the_rest_is_told(self):
+        cut, fewer = self.folder / "cut.lcm", self.folder / "fewer.lcm"
+        cut.write_bytes(self.log.read_bytes()[:-7])
+        write_log(self.drive, self.scan_t, fewer, SCANS - 1)
+        expected = self.hashes_after("fewer", fewer)
+        self.assertEqual(self.hashes_after("cut", cut, code=1), expected)
+
+    def record(self, services, file):
+        """lcm-logger, once it has written down the first message of the set."""
+        logger = subprocess.Popen(["lcm-logger", "--quiet", f"--lcm-url={services.bus.url}",
+                                   "--flush-interval=20", file], stdin=subprocess.DEVNULL)
+        self.addCleanup(logger.wait)
+        self.addCleanup(logger.kill)
+        wait_until(lambda: file.exists() and file.stat().st_size > 0, "the first event")
+        return logger
+
+    def test_what_lcm_logger_recorded_of_the_bus_makes_the_same_model(self):
+        expected = self.hashes_after("folder", self.drive, "--poses", "poses.txt")
+        recorded = self.folder / "recorded.lcm"
+        with ServiceSet(self.folder / "heard", renders=0) as services:
+            logger = self.record(services, recorded)
+            subprocess.run(["lcm-logplayer", f"--lcm-url={services.bus.url}", self.log],
+                           check=True, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
+            played = channels_in(self.log)["VOXATLAS_SCAN"]
+            wait_until(lambda: channels_in(recorded)["VOXATLAS_SCAN"] >= played and
+                       channels_in(recorded)["VOXATLAS_TILE_UPDATE"] > 0, "all that was played")
+            logger.send_signal(signal.SIGINT)
+            self.assertEqual(logger.wait(PATIENCE_SECONDS), 0)
+        heard = channels_in(recorded)
+        self.assertEqual(heard["VOXATLAS_SCAN"], played)
+        for channel in ("VOXATLAS_STATUS", "VOXATLAS_TILE_UPDATE", "VOXATLAS_ACK"):
+            self.assertGreater(heard[channel], 0, heard)
+        self.assertEqual(self.hashes_after("again", recorded), expected)
+
+
+if __name__ == "__main__":
+    harness.main()
