@@ -63,13 +63,22 @@ Result<TileTree> decode_fast_tile(ByteView payload) {
   return decode_fast(*head, *body);
 }
 
-/// What version 1 wrote, for the tile that no later codec holds.
-Bytes encode_nodes_tile(const TileTree& tree, int level) {
+/// What version 1 wrote, for tiles that later codecs do not hold, or not in few enough bytes.
+Bytes encode_nodes_tile(const TileTree& tree, TileCodec codec, int level) {
   const Bytes nodes = encode_nodes(tree);
   VOX_CHECK(nodes.size() <= kMaxNodeBytes);
   Bytes frame;
   zstd_compress(nodes, level, frame);
-  return seal_tile_v1(TileCodec::kFast, static_cast<std::uint32_t>(nodes.size()), frame);
+  return seal_tile_v1(codec, static_cast<std::uint32_t>(nodes.size()), frame);
+}
+
+/// More than the paper's raw nodes (8 bytes each; an exact colour has 4 bytes more than theirs) and
+/// 64 bytes? Only so for a few large cells, which are many bricks: a colour each, in dense bytes.
+bool is_too_large(const Bytes& bytes, const TileTree& tree) {
+  constexpr std::size_t kAlwaysFits = 72, kNeverFew = 4096;
+  if (bytes.size() <= kAlwaysFits || bytes.size() > kNeverFew) return false;
+  const auto counts = tree.counts();
+  return bytes.size() > 8 * (counts.leaves + counts.inner) + 4 * counts.coloured_leaves + 64;
 }
 
 TileTree cut(const Pyramid& pyramid, const TileColours& colours, int depth) {
@@ -110,6 +119,16 @@ Result<Quantization> get_quantization(ByteView payload) {
   return how;
 }
 
+Bytes payload_of(const TileTree& tree, const CodecOptions& options, int level) {
+  if (options.codec == TileCodec::kFast) return fast_payload(tree, level);
+  if (options.codec == TileCodec::kDense) return encode_dense(tree);
+  Bytes payload;
+  ByteWriter out(payload);
+  put_quantization(options.lossy, out);
+  out.put_bytes(encode_dense(quantize(tree, options.lossy)));
+  return payload;
+}
+
 /// The header of a tile whose checksum holds.
 Result<TileHeader> read_whole(ByteView bytes) {
   auto header = read_tile_header(bytes);
@@ -144,16 +163,11 @@ Result<TileTree> decode_whole(const TileHeader& header) {
 Bytes encode_tile(const TileTree& tree, const CodecOptions& options) {
   VOX_CHECK(options.level >= 0 && options.level <= 19);
   const int level = options.level == 0 ? kFastLevel : options.level;
-  if (!can_be_dense(tree)) return encode_nodes_tile(tree, level);
-  if (options.codec == TileCodec::kFast) {
-    return seal_tile(TileCodec::kFast, fast_payload(tree, level));
-  }
-  if (options.codec == TileCodec::kDense) return seal_tile(TileCodec::kDense, encode_dense(tree));
-  Bytes payload;
-  ByteWriter out(payload);
-  put_quantization(options.lossy, out);
-  out.put_bytes(encode_dense(quantize(tree, options.lossy)));
-  return seal_tile(TileCodec::kLossy, payload);
+  if (!can_be_dense(tree)) return encode_nodes_tile(tree, TileCodec::kFast, level);
+  const Bytes bytes = seal_tile(options.codec, payload_of(tree, options, level));
+  if (!is_too_large(bytes, tree)) return bytes;
+  const bool fast = options.codec == TileCodec::kFast;
+  return encode_nodes_tile(tree, fast ? TileCodec::kFast : TileCodec::kDense, level);
 }
 
 Result<TileTree> decode_tile(ByteView bytes) {

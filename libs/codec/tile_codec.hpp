@@ -26,8 +26,10 @@ struct CodecOptions {
 /// every leaf; lossy is quantize(tree, options.lossy), exactly. Layout: FORMAT.md (versioned
 /// header, codec, CRC-32C of everything). An empty tile has an encoding too.
 ///
-/// A tile of all 65 536 log-odds, of which -8 is outside |L| < 8, is written as version 1 did,
-/// fast.
+/// Size: at most 8 bytes for each node of the octree, 4 more for a coloured leaf, and 64. A few
+/// large
+///       coloured cells that would take more are written as version 1 did, exact and dense; a tile
+///       of all 65 536 log-odds, of which -8 is outside |L| < 8, too, as fast.
 Bytes encode_tile(const TileTree& tree, const CodecOptions& options);
 
 /// Errors: kCorrupt for any bytes encode_tile (of this or an earlier version) did not write,

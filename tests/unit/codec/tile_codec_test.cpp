@@ -3,10 +3,13 @@
 #include <catch2/catch.hpp>
 #include <cstdlib>
 #include <fstream>
+#include <random>
 
 #include "base/crc32c.hpp"
 #include "codec/node_stream.hpp"
 #include "codec/zstd_frame.hpp"
+#include "octree/brick_mask.hpp"
+#include "octree/tile_hash.hpp"
 #include "unit/codec/codec_trees.hpp"
 
 namespace voxatlas {
@@ -73,6 +76,65 @@ TEST_CASE("a lossy tile is its quantised tile, exactly, and says how", "[codec][
     REQUIRE(codec_of(bytes).value() == TileCodec::kLossy);
     REQUIRE(quantization_of(bytes).value() == how);
     REQUIRE(decode_tile(bytes).value() == quantize(tree, how));
+  }
+}
+
+/// Tiles that no codec likes: noise, and little that stands far apart.
+std::vector<TileTree> unkind_trees(std::uint64_t seed) {
+  std::mt19937_64 rng(seed);
+  std::vector<TileTree> trees;
+  trees.reserve(100);  // References stay good.
+  const auto state = [&](bool coloured) {
+    CellState any{static_cast<LogOdds>(rng()), {}};
+    if (any.log_odds < 0 || !coloured) return any;
+    for (auto n = 1 + rng() % 16; n > 0; --n) {
+      any.colour.add(Rgb{static_cast<std::uint8_t>(rng()), static_cast<std::uint8_t>(rng()),
+                         static_cast<std::uint8_t>(rng())});
+    }
+    return any;
+  };
+  for (std::uint32_t depth = 0; depth <= kDepth; ++depth) {  // A single leaf.
+    const CellKey cell{static_cast<std::uint8_t>(depth), (1u << 3 * depth) - 1};
+    trees.emplace_back().set(cell, {-1661, {}});
+    trees.emplace_back().set(cell, state(true));
+  }
+  for (int i = 0; i < 20; ++i) trees.emplace_back().set({0, 0}, state(true));
+  for (const bool coloured : {false, true}) {
+    auto& dense = trees.emplace_back();  // Bricks of nothing but noise.
+    for (std::uint32_t code = 0; code < 60 * kBrickVoxels; ++code) {
+      dense.set({kDepth, code * 7}, state(coloured));
+    }
+    auto& lonely = trees.emplace_back();  // A voxel of each brick.
+    auto& bricks = trees.emplace_back();  // Bricks of one value, here and there.
+    auto& cells = trees.emplace_back();   // Cells of any size.
+    for (std::uint32_t brick = 0; brick < kBricks; ++brick) {
+      const auto voxel = static_cast<std::uint32_t>(rng() % kBrickVoxels);
+      lonely.set({kDepth, brick * kBrickVoxels + voxel}, state(coloured));
+      if (rng() % 3 == 0) bricks.set({kBrickDepth, brick}, state(coloured));
+      const auto depth = static_cast<std::uint32_t>(rng() % 8);
+      if (brick % 8 != 0) continue;
+      cells.set(
+          {static_cast<std::uint8_t>(depth), static_cast<std::uint32_t>(rng() % (1u << 3 * depth))},
+          state(coloured));
+    }
+  }
+  return trees;
+}
+
+TEST_CASE("no tile is larger than the paper's raw nodes and 64 bytes", "[codec]") {
+  INFO("VOX_SEED=" << test::seed());
+  const auto trees = unkind_trees(test::seed());
+  for (std::size_t i = 0; i < trees.size(); ++i) {
+    const auto counts = trees[i].counts();
+    // A colour has three bytes there, an exact one seven.
+    const auto raw = 8 * (counts.leaves + counts.inner) + 4 * counts.coloured_leaves;
+    for (const auto& options : kAllCodecs) {
+      CAPTURE(i, counts.leaves, counts.coloured_leaves, static_cast<int>(options.codec));
+      const auto bytes = encode_tile(trees[i], options);
+      REQUIRE(bytes.size() <= raw + 64);
+      const bool lossy = codec_of(bytes).value() == TileCodec::kLossy;
+      if (!lossy) REQUIRE(decode_tile(bytes).value() == trees[i]);
+    }
   }
 }
 
@@ -170,19 +232,54 @@ TEST_CASE("tiles that version 2 wrote are read for ever", "[codec][golden]") {
   }
 }
 
+/// The worked example of FORMAT.md: one voxel that was hit, beside a cell of 80 cm seen through.
+TileTree example_tree() {
+  const auto model = SensorModel::standard();
+  TileTree tree;
+  tree.hit(CellKey{kDepth, 5}, model, Rgb{255, 128, 0});
+  tree.miss(CellKey{kBrickDepth, 1}, model);
+  return tree;
+}
+
+const std::pair<const char*, CodecOptions> kExamples[] = {{"example_fast_v2.tile", kAllCodecs[0]},
+                                                          {"example_dense_v2.tile", kAllCodecs[1]}};
+
+TEST_CASE("the worked examples of FORMAT.md are what is written", "[codec][golden]") {
+  for (const auto& [name, options] : kExamples) {
+    REQUIRE(decode_tile(read_golden(name)).value() == example_tree());
+    // Zstandard may write the same otherwise one day.
+    if (options.codec == TileCodec::kFast) continue;
+    REQUIRE(encode_tile(example_tree(), options) == read_golden(name));
+  }
+}
+
+TEST_CASE("the hashes that other decoders are held against are those of the golden tiles",
+          "[codec][golden]") {
+  std::ifstream file(golden_path("hashes.txt"));
+  std::size_t seen = 0;
+  for (std::string hash, name; file >> hash >> name; ++seen) {
+    const auto tree = decode_tile(read_golden(name));
+    REQUIRE(tree.has_value());
+    REQUIRE(to_hex(tile_hash(TileKey::from_morton(0).value(), *tree)) == hash);
+  }
+  REQUIRE(seen == 7);
+}
+
 TEST_CASE("dense tiles are written as the golden ones were", "[codec][golden]") {
   REQUIRE(encode_tile(golden_tree(), kAllCodecs[1]) == read_golden("dense_v2.tile"));
 }
 
-// For a new version only: unit_codec "[.write-golden]" writes the files that are not there.
+// For new files only: unit_codec "[.write-golden]" writes the files that are not there.
 TEST_CASE("golden files that are missing are written when asked for", "[.write-golden]") {
-  for (const auto& [name, options] : kGolden) {
-    if (std::ifstream(golden_path(name)).good()) continue;
-    const auto bytes = encode_tile(golden_tree(), options);
+  const auto write = [](const std::string& name, const TileTree& tree, const CodecOptions& how) {
+    if (std::ifstream(golden_path(name)).good()) return;
+    const auto bytes = encode_tile(tree, how);
     std::ofstream(golden_path(name), std::ios::binary)
         .write(reinterpret_cast<const char*>(bytes.data()),
                static_cast<std::streamsize>(bytes.size()));
-  }
+  };
+  for (const auto& [name, options] : kGolden) write(name, golden_tree(), options);
+  for (const auto& [name, options] : kExamples) write(name, example_tree(), options);
 }
 
 }  // namespace
