@@ -152,22 +152,12 @@ Status get_brick_colours(ByteReader& in, const Pyramid& pyramid, TileColours& co
 /// A brick's mask, in Morton order: which voxels are not the ground.
 constexpr std::size_t kMaskBytes = kBrickVoxels / 8;
 
-template <class Visit>
-void for_each_exception(const std::uint8_t* mask, Visit visit) {
-  for (unsigned first = 0; first < kBrickVoxels; first += 64) {
-    std::uint64_t word;
-    std::memcpy(&word, mask + first / 8, sizeof word);
-    for (; word != 0; word &= word - 1)
-      visit(first + static_cast<unsigned>(std::countr_zero(word)));
-  }
-}
-
 /// A mask for each mixed brick, and the places of what it holds.
 void put_voxels(const Pyramid& pyramid, ByteWriter& out) {
   std::vector<std::uint32_t> places;
   places.reserve(pyramid.bricks.size() * 64);
   for (const auto& brick : pyramid.bricks) {
-    const auto* mask = brick.exceptions.data() + PyramidBrick::first(kDepth - 1);
+    const auto* mask = brick.voxel_mask();
     out.put_bytes({mask, kMaskBytes});
     for_each_exception(mask, [&](unsigned code) { places.push_back(brick.voxels()[code]); });
   }
@@ -206,23 +196,6 @@ Result<PlaceReader> get_places(ByteReader& in, ByteView masks, std::size_t palet
   return places;
 }
 
-/// Makes a brick of its ground and what differs from it. `values` by place.
-void fill(Brick& brick, Place ground, const std::uint8_t* mask, const PlaceReader& places,
-          std::span<const LogOdds> values, std::size_t& next) {
-  if (ground != kUnknown) {
-    brick.log_odds.fill(values[ground]);
-    brick.known = kAllVoxels;
-  }
-  for_each_exception(mask, [&](unsigned code) {
-    const auto place = places.at(next++);
-    const unsigned voxel = kVoxelOfMorton[code];
-    const std::uint64_t bit = std::uint64_t{1} << (voxel & 63);
-    auto& word = brick.known[voxel >> 6];
-    word = place != kUnknown ? word | bit : word & ~bit;
-    brick.log_odds[voxel] = values[place];
-  });
-}
-
 Status get_voxels(ByteReader& in, const Pyramid& pyramid, BrickTable& table) {
   const auto mixed = static_cast<std::size_t>(
       std::count_if(pyramid.slots.begin(), pyramid.slots.end(),
@@ -230,15 +203,15 @@ Status get_voxels(ByteReader& in, const Pyramid& pyramid, BrickTable& table) {
   const ByteView masks = in.get_bytes(mixed * kMaskBytes);
   auto places = get_places(in, masks, pyramid.palette.size());
   if (!places) return pass_on(places);
-  std::vector<LogOdds> values{0};  // By place; unknown voxels hold 0.
-  values.insert(values.end(), pyramid.palette.begin(), pyramid.palette.end());
+  const auto values = pyramid.values();
   const std::uint8_t* mask = masks.data();
   std::size_t next = 0;
   for (unsigned i = 0; i < kBricks; ++i) {
     const auto& slot = pyramid.slots[i];
     if (slot.kind == Kind::kUniform) table.make_uniform(i, {values[slot.ground], {}});
     if (slot.kind != Kind::kMixed) continue;
-    fill(table.expand(i), slot.ground, mask, *places, values, next);
+    fill_brick(table.expand(i), slot.ground, mask, values,
+               [&](unsigned) { return places->at(next++); });
     mask += kMaskBytes;
   }
   return {};

@@ -161,6 +161,12 @@ void cut_above_bricks(const Pyramid& pyramid, int depth, BrickTable& table) {
 
 }  // namespace
 
+std::vector<LogOdds> Pyramid::values() const {
+  std::vector<LogOdds> values{0};
+  values.insert(values.end(), palette.begin(), palette.end());
+  return values;
+}
+
 bool places_fit(const BrickTable& table) { return Places(table).palette.size() < kValues; }
 
 Pyramid pyramid_of(const BrickTable& table) {
@@ -199,11 +205,17 @@ BrickTable bricks_of(const Pyramid& pyramid, int depth) {
     cut_above_bricks(pyramid, depth, table);
     return table;
   }
+  const auto values = pyramid.values();
   for (unsigned i = 0; i < kBricks; ++i) {
     const auto& slot = pyramid.slots[i];
     if (slot.kind == Pyramid::Kind::kEmpty) continue;
     if (slot.kind == Pyramid::Kind::kUniform || depth == kBrickDepth) {
-      table.make_uniform(i, {pyramid.palette[slot.highest - 1u], {}});
+      table.make_uniform(i, {values[slot.highest], {}});
+    } else if (depth == kDepth) {
+      const auto& brick = pyramid.bricks[slot.mixed];
+      fill_brick(table.expand(i), brick.ground, brick.voxel_mask(), values,
+                 [&](unsigned code) { return brick.voxels()[code]; });
+      table.settle(i);
     } else {
       write_brick(pyramid.bricks[slot.mixed], pyramid.palette, depth, table.expand(i));
       table.settle(i);

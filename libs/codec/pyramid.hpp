@@ -1,9 +1,13 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstdint>
+#include <cstring>
+#include <span>
 #include <vector>
 
+#include "octree/brick.hpp"
 #include "octree/tile_tree.hpp"
 
 namespace voxatlas {
@@ -30,7 +34,41 @@ struct PyramidBrick {
   }
   const Place* voxels() const { return highest.data() + first(kDepth); }
   Place* voxels() { return highest.data() + first(kDepth); }
+  /// Which voxels are exceptions: 512 bits in Morton order.
+  const std::uint8_t* voxel_mask() const { return exceptions.data() + first(kDepth - 1); }
 };
+
+/// Calls visit(Morton number) for every bit of a mask of a brick's voxels, as the exceptions of its
+/// cells of depth 6 are one.
+template <class Visit>
+void for_each_exception(const std::uint8_t* mask, Visit visit) {
+  for (unsigned first = 0; first < kBrickVoxels; first += 64) {
+    std::uint64_t word;
+    std::memcpy(&word, mask + first / 8, sizeof word);
+    for (; word != 0; word &= word - 1) {
+      visit(first + static_cast<unsigned>(std::countr_zero(word)));
+    }
+  }
+}
+
+/// Makes a brick, empty so far, of its ground and the places of its exceptions. `values` by place;
+/// that of kUnknown is 0.
+template <class PlaceOf>
+void fill_brick(Brick& brick, Place ground, const std::uint8_t* mask,
+                std::span<const LogOdds> values, PlaceOf place_of) {
+  if (ground != kUnknown) {
+    brick.log_odds.fill(values[ground]);
+    brick.known = kAllVoxels;
+  }
+  for_each_exception(mask, [&](unsigned code) {
+    const auto place = place_of(code);
+    const unsigned voxel = kVoxelOfMorton[code];
+    const std::uint64_t bit = std::uint64_t{1} << (voxel & 63);
+    auto& word = brick.known[voxel >> 6];
+    word = place != kUnknown ? word | bit : word & ~bit;
+    brick.log_odds[voxel] = values[place];
+  });
+}
 
 /// The log-odds of a tile, made ready for coding from the top down. Colours are apart.
 ///
@@ -48,6 +86,9 @@ struct Pyramid {
   std::vector<LogOdds> palette;  ///< Rising; place p is palette[p - 1].
   std::vector<Slot> slots{kBricks};
   std::vector<PyramidBrick> bricks;  ///< The mixed ones, in the order of their slots.
+
+  /// The palette by place, 0 first.
+  std::vector<LogOdds> values() const;
 
   const PyramidBrick& mixed(unsigned slot) const { return bricks[slots[slot].mixed]; }
 };

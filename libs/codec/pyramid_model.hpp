@@ -50,6 +50,7 @@ class PyramidModel {
 
   void code_slots() {
     for (unsigned i = 0; i < kBricks && !broken_; ++i) code_slot(i);
+    if (Coder::kDecodes) add_bricks();
   }
 
   /// Depth 5, 6 or 7; those above are there.
@@ -126,16 +127,19 @@ class PyramidModel {
     slot.kind = mixed ? Kind::kMixed : Kind::kUniform;
     slot.ground = code_ground(lower, mixed, slot.ground);
     slot.highest = mixed ? code_highest(lower, slot) : slot.ground;
-    if (mixed) add_brick(slot);
+    if (Coder::kDecodes && mixed) slot.mixed = mixed_++;
   }
 
-  void add_brick(Pyramid::Slot& slot) {
-    if (!Coder::kDecodes) return;
-    slot.mixed = static_cast<std::uint16_t>(pyramid_.bricks.size());
-    auto& brick = pyramid_.bricks.emplace_back();
-    brick.ground = slot.ground;
-    brick.highest.fill(slot.ground);
-    brick.highest[0] = slot.highest;
+  /// At once: a vector of them that grows is copied again and again.
+  void add_bricks() {
+    pyramid_.bricks.resize(mixed_);
+    for (const auto& slot : pyramid_.slots) {
+      if (slot.kind != Kind::kMixed) continue;
+      auto& brick = pyramid_.bricks[slot.mixed];
+      brick.ground = slot.ground;
+      brick.highest.fill(slot.ground);
+      brick.highest[0] = slot.highest;
+    }
   }
 
   /// Unknown or not; then: as one of the three lower slots, each different one asked once; else by
@@ -325,6 +329,7 @@ class PyramidModel {
   Coder& coder_;
   Pyramid& pyramid_;
   bool broken_ = false;
+  std::uint16_t mixed_ = 0;  ///< Slots read so far that are.
 
   std::array<std::array<Chance, 2>, 64> slot_kind_;
   std::array<Chance, 8> ground_unknown_;
