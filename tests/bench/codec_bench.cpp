@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
+#include <functional>
 
 #include "bench/codec_case.hpp"
 
@@ -14,7 +14,7 @@ namespace voxatlas::bench {
 namespace {
 
 struct Options {
-  std::string data, poses = "poses.txt";
+  std::string data, poses = "poses.txt", only;
   std::size_t scans = 120;
   bool json = false, tables = true;
 };
@@ -59,6 +59,8 @@ void add_figures(const std::string& prefix, const CodecFigures& figures, double 
   for (int depth = 0; depth <= 7; ++depth) {
     add(fmt::format("decode_to_depth_{}", depth), figures.to_depth[depth] / figures.dense_decode,
         "of the whole");
+    add(fmt::format("bytes_to_depth_{}", depth), figures.cut[depth] / figures.dense,
+        "of the whole");
   }
 }
 
@@ -66,7 +68,6 @@ void add_figure_8(const std::string& prefix, const std::vector<Figure8Row>& rows
   for (const auto& row : rows) {
     const std::string name = prefix + "figure8_" + slug(row.name);
     lines.push_back({name, row.bytes, "bytes"});
-    if (row.zstd3 == 0) continue;
     lines.push_back({name + "_zstd3", row.zstd3, "bytes"});
     lines.push_back({name + "_zstd19", row.zstd19, "bytes"});
   }
@@ -81,12 +82,10 @@ void add_figure_7(const std::string& prefix, const std::vector<Figure7Row>& rows
 }
 
 void add_model(const std::string& prefix, const CodecModel& model, bool tables, Lines& lines) {
-  const auto rows = figure_8(model);
-  const auto ot = std::find_if(rows.begin(), rows.end(),
-                               [](const auto& row) { return row.name == "OctoMap .ot"; });
-  add_figures(prefix, measure_codecs(model), ot->zstd19, lines);
+  add_figures(prefix, measure_codecs(model), octomap_zstd19(model), lines);
   if (!tables) return;
-  add_figure_8(prefix, rows, lines);
+  add_figure_8(prefix, figure_8(model), lines);
+  add_figure_8(prefix + "tile_", figure_8(representative(model)), lines);
   add_figure_7(prefix, figure_7(model), lines);
 }
 
@@ -100,20 +99,23 @@ void print(const Lines& lines, bool json) {
 }
 
 int serve(const Options& options) {
+  using Make = std::function<Result<CodecModel>()>;
+  std::vector<std::pair<std::string, Make>> models{
+      {"sim", [&] { return simulated_model(options.scans, false); }},
+      {"simcolour", [&] { return simulated_model(options.scans, true); }}};
+  if (!options.data.empty()) {
+    models.emplace_back("real",
+                        [&] { return real_model(options.data, options.poses, options.scans); });
+  }
   Lines lines;
-  const auto add = [&](const std::string& prefix, Result<CodecModel> model) {
+  for (const auto& [name, make] : models) {
+    if (!options.only.empty() && options.only != name) continue;
+    auto model = make();
     if (!model) {
       fmt::print(stderr, "bench_codec: {}\n", model.error().message);
-      return false;
+      return 1;
     }
-    add_model(prefix, *model, options.tables, lines);
-    return true;
-  };
-  if (!add("sim_", simulated_model(options.scans, false))) return 1;
-  if (!add("simcolour_", simulated_model(options.scans, true))) return 1;
-  if (!options.data.empty() &&
-      !add("real_", real_model(options.data, options.poses, options.scans))) {
-    return 1;
+    add_model(name + "_", *model, options.tables, lines);
   }
   print(lines, options.json);
   return 0;
@@ -131,6 +133,8 @@ int main(int argc, char** argv) {
   app.add_option("--scans", options.scans, "how many scans at most, of each kind")
       ->capture_default_str()
       ->check(CLI::Range(1, 100'000));
+  app.add_option("--only", options.only, "one of the models: sim, simcolour, real")
+      ->check(CLI::IsMember({"sim", "simcolour", "real"}));
   app.add_flag("!--no-tables", options.tables, "leave figures 7 and 8 out");
   app.add_flag("--json", options.json, "one JSON object in place of lines");
   CLI11_PARSE(app, argc, argv);

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "base/bytes.hpp"
 #include "base/result.hpp"
 #include "octree/tile_tree.hpp"
 
@@ -11,7 +12,7 @@ namespace voxatlas::bench {
 /// A whole model, and the points it was made of.
 struct CodecModel {
   std::vector<TileTree> tiles;
-  double points = 0;
+  std::vector<Bytes> scans;  ///< Each one's points: three floats, relative to the sensor.
 };
 
 /// Free space at 80 cm, surfaces at 10 cm, the default sensor model.
@@ -25,20 +26,26 @@ struct CodecFigures {
   double memory = 0;  ///< 1088 bytes a mixed brick.
   double nodes = 0, occupied = 0;
   double fast = 0, dense = 0, lossy6 = 0;
+  double cut[8] = {};  ///< Bytes of dense tiles cut at a depth.
   double fast_encode = 0, fast_decode = 0, dense_encode = 0, dense_decode = 0;
   double to_depth[8] = {};  ///< Decoding dense tiles to a depth.
 };
 CodecFigures measure_codecs(const CodecModel& model);
+/// Bytes of OctoMap's .ot of each tile with Zstandard 19.
+double octomap_zstd19(const CodecModel& model);
 
-/// One row of figure 8: bytes as they are, and each tile with Zstandard 3 and 19 (0: not made).
+/// One row of figure 8: bytes as they are, and each tile (or scan) with Zstandard 3 and 19.
 struct Figure8Row {
   std::string name;
   double bytes = 0, zstd3 = 0, zstd19 = 0;
 };
 std::vector<Figure8Row> figure_8(const CodecModel& model);
 
-/// Mean discrepancy of log-odds for 1..32 bits, over the voxels of the tile with most different
-/// log-odds: levels between the clamps, and bins of [0, 1].
+/// The tile with representative features, the one with most different log-odds, as a model.
+CodecModel representative(const CodecModel& model);
+
+/// Mean discrepancy of log-odds for 1..32 bits, over the voxels of the representative tile: levels
+/// between the clamps, and bins of [0, 1].
 struct Figure7Row {
   int bits = 0;
   double clamps = 0, unit = 0;

@@ -54,61 +54,35 @@ void decode_all(const std::vector<Bytes>& tiles, int depth) {
   for (const auto& tile : tiles) VOX_CHECK(decode_tile_to_depth(tile, depth).has_value());
 }
 
-Bytes octomap_bytes(const TileTree& tile, bool binary) {
+Bytes octomap_bytes(const TileTree& tile, bool binary, bool expanded) {
   const auto tree = to_octomap(tile, Grid::standard());
+  if (expanded) tree->expand();
   std::stringstream out;
   VOX_CHECK(binary ? tree->writeBinary(out) : tree->write(out));
   const std::string text = out.str();
   return {text.begin(), text.end()};
 }
 
+void add_to(Figure8Row& row, const Bytes& bytes) {
+  Bytes frame3, frame19;
+  zstd_compress(bytes, 3, frame3);
+  zstd_compress(bytes, 19, frame19);
+  row.bytes += static_cast<double>(bytes.size());
+  row.zstd3 += static_cast<double>(frame3.size());
+  row.zstd19 += static_cast<double>(frame19.size());
+}
+
 Figure8Row row_of(const std::string& name, const CodecModel& model,
                   const std::function<Bytes(const TileTree&)>& encode) {
   Figure8Row row{name};
-  for (const auto& tile : model.tiles) {
-    const Bytes bytes = encode(tile);
-    Bytes frame3, frame19;
-    zstd_compress(bytes, 3, frame3);
-    zstd_compress(bytes, 19, frame19);
-    row.bytes += static_cast<double>(bytes.size());
-    row.zstd3 += static_cast<double>(frame3.size());
-    row.zstd19 += static_cast<double>(frame19.size());
-  }
+  for (const auto& tile : model.tiles) add_to(row, encode(tile));
   return row;
 }
 
-/// The nodes of a tile whose known cells are expanded to voxels.
-TileTree::Counts expanded_counts(const TileTree& tile) {
-  auto counts = tile.counts();
-  counts.leaves = 0;
-  tile.for_each_leaf([&](const Leaf& leaf) {
-    const std::uint64_t voxels = std::uint64_t{1} << 3 * (kDepth - leaf.cell.depth);
-    counts.leaves += voxels;
-    counts.inner += (voxels - 1) / 7;
-  });
-  return counts;
-}
-
-Figure8Row expanded_row(const std::string& name, const CodecModel& model,
-                        const PaperOptions& options) {
-  Figure8Row row{name + ", unpruned"};
-  for (const auto& tile : model.tiles) {
-    row.bytes += std::ceil(static_cast<double>(paper_bits(expanded_counts(tile), options)) / 8);
-  }
+Figure8Row points_row(const CodecModel& model) {
+  Figure8Row row{"points"};
+  for (const auto& scan : model.scans) add_to(row, scan);
   return row;
-}
-
-const TileTree& most_different(const CodecModel& model) {
-  const TileTree* best = &model.tiles.front();
-  std::size_t most = 0;
-  for (const auto& tile : model.tiles) {
-    std::set<LogOdds> values;
-    tile.for_each_leaf([&](const Leaf& leaf) { values.insert(leaf.state.log_odds); });
-    if (values.size() <= most) continue;
-    most = values.size();
-    best = &tile;
-  }
-  return *best;
 }
 
 double discrepancy(const TileTree& tile, const PaperOptions& options) {
@@ -140,6 +114,12 @@ CodecFigures measure_codecs(const CodecModel& model) {
     figures.to_depth[depth] = least_cpu([&] { decode_all(dense, depth); });
   }
   figures.dense_decode = figures.to_depth[kDepth];
+  for (int depth = 0; depth <= kDepth; ++depth) {
+    for (const auto& tile : model.tiles) {
+      figures.cut[depth] +=
+          static_cast<double>(encode_tile(cut_tile(tile, depth), {TileCodec::kDense}).size());
+    }
+  }
   figures.fast = total(fast);
   figures.dense = total(dense);
   figures.lossy6 = total(encode_all(model, {TileCodec::kLossy, 0, {6, 5}}));
@@ -150,37 +130,59 @@ CodecFigures measure_codecs(const CodecModel& model) {
   return figures;
 }
 
+double octomap_zstd19(const CodecModel& model) {
+  return row_of("", model, [](const TileTree& tile) { return octomap_bytes(tile, false, false); })
+      .zstd19;
+}
+
 std::vector<Figure8Row> figure_8(const CodecModel& model) {
   std::vector<Figure8Row> rows;
-  rows.push_back({"points (12 bytes)", 12 * model.points, 0, 0});
+  if (!model.scans.empty()) rows.push_back(points_row(model));
   const std::pair<const char*, PaperOptions> papers[] = {
       {"paper raw", {PaperFormat::kRaw}},
       {"paper lossless", {PaperFormat::kLossless}},
       {"paper lossy, 9 bits", {PaperFormat::kLossy, 9, 8}}};
-  for (const auto& [name, options] : papers) {
-    rows.push_back(expanded_row(name, model, options));
-    rows.push_back(
-        row_of(name, model, [&how = options](const auto& t) { return encode_paper(t, how); }));
+  for (const bool expanded : {true, false}) {
+    const std::string when = expanded ? ", unpruned" : "";
+    for (const auto& [name, options] : papers) {
+      rows.push_back(row_of(name + when, model, [&, &how = options](const TileTree& tile) {
+        return encode_paper(tile, how, expanded);
+      }));
+    }
+    for (const bool binary : {false, true}) {
+      rows.push_back(
+          row_of((binary ? "OctoMap .bt" : "OctoMap .ot") + when, model,
+                 [&](const TileTree& tile) { return octomap_bytes(tile, binary, expanded); }));
+    }
   }
-  rows.push_back(
-      row_of("OctoMap .ot", model, [](const auto& t) { return octomap_bytes(t, false); }));
-  rows.push_back(
-      row_of("OctoMap .bt", model, [](const auto& t) { return octomap_bytes(t, true); }));
+  // A tile's own bytes do not depend on whether it was pruned: bricks are.
   const std::pair<const char*, CodecOptions> ours[] = {
       {"voxatlas fast", {TileCodec::kFast}},
       {"voxatlas dense", {TileCodec::kDense}},
       {"voxatlas lossy, 9 bits", {TileCodec::kLossy, 0, {9, 8}}},
       {"voxatlas lossy, 6 bits", {TileCodec::kLossy, 0, {6, 5}}}};
   for (const auto& [name, options] : ours) {
-    Figure8Row row{name};
-    row.bytes = total(encode_all(model, options));
-    rows.push_back(row);
+    rows.push_back(row_of(
+        name, model, [&how = options](const TileTree& tile) { return encode_tile(tile, how); }));
   }
   return rows;
 }
 
+CodecModel representative(const CodecModel& model) {
+  const TileTree* best = &model.tiles.front();
+  std::size_t most = 0;
+  for (const auto& tile : model.tiles) {
+    std::set<LogOdds> values;
+    tile.for_each_leaf([&](const Leaf& leaf) { values.insert(leaf.state.log_odds); });
+    if (values.size() <= most) continue;
+    most = values.size();
+    best = &tile;
+  }
+  return {{*best}, {}};
+}
+
 std::vector<Figure7Row> figure_7(const CodecModel& model) {
-  const TileTree& tile = most_different(model);
+  const TileTree tile = representative(model).tiles.front();
   std::vector<Figure7Row> rows;
   for (int bits = 1; bits <= 32; ++bits) {
     PaperOptions options{PaperFormat::kLossy, bits, 8, PaperQuantizer::kClamps};

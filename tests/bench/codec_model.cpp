@@ -1,3 +1,4 @@
+#include <bit>
 #include <map>
 
 #include "bench/codec_case.hpp"
@@ -16,12 +17,16 @@ class Builder {
   void add(const Scan& scan) {
     const auto delta = *integrator_.integrate(scan);
     for (const auto& [key, change] : delta.tiles) tiles_[key].apply(change, model_);
-    points_ += static_cast<double>(scan.endpoints_ecef.size());
+    ByteWriter points(scans_.emplace_back());
+    for (const auto& endpoint : scan.endpoints_ecef) {
+      const Eigen::Vector3f point = (endpoint - scan.origin_ecef).cast<float>();
+      for (const float coordinate : point) points.put(std::bit_cast<std::uint32_t>(coordinate));
+    }
   }
 
   CodecModel finish() {
     CodecModel model;
-    model.points = points_;
+    model.scans = std::move(scans_);
     for (auto& [key, tile] : tiles_) {
       tile.prune();
       model.tiles.push_back(std::move(tile));
@@ -33,7 +38,7 @@ class Builder {
   SensorModel model_ = SensorModel::standard();
   Integrator integrator_{Grid::standard(), IntegrationParameters{}};
   std::map<TileKey, TileTree> tiles_;
-  double points_ = 0;
+  std::vector<Bytes> scans_;
 };
 
 }  // namespace
