@@ -76,9 +76,9 @@ Result<Atlas::Tile> Atlas::tile(TileKey key) {
   return Tile{&(*tile)->tree, (*tile)->version};
 }
 
-Result<EncodedTile> Atlas::encoded(TileKey key) {
+Result<EncodedTile> Atlas::encoded(TileKey key, int depth) {
   if (auto ok = state_->settle(); !ok) return pass_on(ok);
-  return state_->encoded(key);
+  return state_->encoded(key, depth);
 }
 
 Result<std::vector<TileInfo>> Atlas::list(TileKey from, std::size_t limit) {

@@ -106,9 +106,9 @@ class Atlas {
     std::uint64_t version = 0;
   };
   Result<Tile> tile(TileKey key);
-  /// The tile encoded: stored bytes where they are current, else made with the fast codec.
-  /// kNotFound where never written.
-  Result<EncodedTile> encoded(TileKey key);
+  /// The tile encoded: stored bytes where they are current, else made with the fast codec. Above
+  /// depth 7 the tile cut there (cut_tile), dense, made now. kNotFound where never written.
+  Result<EncodedTile> encoded(TileKey key, int depth = kDepth);
 
   /// Up to `limit` tiles with key >= from, ascending, in memory or on disk; no tombstones.
   Result<std::vector<TileInfo>> list(TileKey from, std::size_t limit);

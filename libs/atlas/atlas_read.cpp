@@ -44,10 +44,13 @@ Status Atlas::State::load_all(std::span<const TileKey> keys, Versions& versions)
   return {};
 }
 
-Result<EncodedTile> Atlas::State::encoded(TileKey key) {
+Result<EncodedTile> Atlas::State::encoded(TileKey key, int depth) {
   const auto* cached = cache.peek(key);
   if (cached != nullptr && cached->dirty()) {
-    return EncodedTile{key, cached->version, encode_tile(cached->tree, {TileCodec::kFast})};
+    const auto bytes = depth == kDepth
+                           ? encode_tile(cached->tree, {TileCodec::kFast})
+                           : encode_tile(cut_tile(cached->tree, depth), {TileCodec::kDense});
+    return EncodedTile{key, cached->version, bytes};
   }
   auto stored = store.get(shard, key);
   if (!stored) return pass_on(stored);
@@ -55,7 +58,12 @@ Result<EncodedTile> Atlas::State::encoded(TileKey key) {
     return fail(ErrorCode::kNotFound,
                 fmt::format("shard {} has no tile {:#x}", shard, key.morton()));
   }
-  return EncodedTile{key, (*stored)->version, std::move((*stored)->bytes)};
+  EncodedTile encoded{key, (*stored)->version, std::move((*stored)->bytes)};
+  if (depth == kDepth) return encoded;
+  auto cut = decode_tile_to_depth(encoded.bytes, depth);
+  if (!cut) return pass_on(cut, fmt::format("shard {}, stored tile {:#x}", shard, key.morton()));
+  encoded.bytes = encode_tile(*cut, {TileCodec::kDense});
+  return encoded;
 }
 
 Result<std::vector<TileInfo>> Atlas::State::list(TileKey from, std::size_t limit) {

@@ -96,7 +96,7 @@ struct Atlas::State {
   /// The same for several that are not in memory, in one read.
   Status load_all(std::span<const TileKey> keys, Versions& versions);
   Result<TileTree> decode_stored(const StoredTile& stored) const;
-  Result<EncodedTile> encoded(TileKey key);
+  Result<EncodedTile> encoded(TileKey key, int depth);
   Result<std::vector<TileInfo>> list(TileKey from, std::size_t limit);
 };
 

@@ -83,7 +83,7 @@ struct StoreClient::State {
   Status send(const char* channel, Request& request, std::int64_t deadline);
   Status wait(std::int64_t until);
 
-  Status ask_for(Fetch& fetch, std::int64_t id, std::int64_t deadline);
+  Status ask_for(Fetch& fetch, int depth, std::int64_t id, std::int64_t deadline);
 
   Bus& bus;
   Bus& port;
@@ -142,7 +142,8 @@ Result<Reply> StoreClient::State::ask(const char* channel, Request request,
   return std::move(*reply);
 }
 
-Status StoreClient::State::ask_for(Fetch& fetch, std::int64_t id, std::int64_t deadline) {
+Status StoreClient::State::ask_for(Fetch& fetch, int depth, std::int64_t id,
+                                   std::int64_t deadline) {
   tile_request_t request{};
   request.client = client;
   request.id = id;
@@ -150,6 +151,7 @@ Status StoreClient::State::ask_for(Fetch& fetch, std::int64_t id, std::int64_t d
   request.shard = fetch.shard;
   request.tile = fetch.tile.tile;
   request.offset = static_cast<std::int32_t>(fetch.tile.bytes.size());
+  request.depth = static_cast<std::int8_t>(depth);
   return send(kTileRequestChannel, request, deadline);
 }
 
@@ -178,8 +180,8 @@ Result<tiles_reply_t> StoreClient::tiles(tiles_request_t request, std::int64_t t
 }
 
 Status StoreClient::fetch(const std::vector<std::pair<std::int32_t, std::int64_t>>& shard_and_tile,
-                          std::int64_t timeout_us,
-                          const std::function<void(FetchedTile)>& arrived) {
+                          std::int64_t timeout_us, const std::function<void(FetchedTile)>& arrived,
+                          int depth) {
   auto& state = *state_;
   auto buffer = receive_buffer_of(state.port.url());
   if (!buffer) return pass_on(buffer);
@@ -198,7 +200,9 @@ Status StoreClient::fetch(const std::vector<std::pair<std::int32_t, std::int64_t
     auto wake = deadline;
     for (auto& [id, fetch] : under_way) {
       state.tiles.try_emplace(id);
-      if (status && fetch.retry.due(steady_utime())) status = state.ask_for(fetch, id, deadline);
+      if (status && fetch.retry.due(steady_utime())) {
+        status = state.ask_for(fetch, depth, id, deadline);
+      }
       wake = std::min(wake, fetch.retry.next());
     }
     if (status) status = state.wait(wake);

@@ -133,7 +133,7 @@ template <> const char* shape_of<status_t>() { return "8s484s1snC"; }
 template <> const char* shape_of<tile_encoded_t>() { return "888nb"; }
 template <> const char* shape_of<tile_raw_t>() { return "8884nb"; }
 template <> const char* shape_of<tile_reply_t>() { return "8888844nb"; }
-template <> const char* shape_of<tile_request_t>() { return "88884484"; }
+template <> const char* shape_of<tile_request_t>() { return "888844841"; }
 template <> const char* shape_of<tile_update_t>() { return "88841nb"; }
 template <> const char* shape_of<tiles_reply_t>() { return "888481" "4nb"; }
 template <> const char* shape_of<tiles_request_t>() { return "8888448" "444444" "1"; }

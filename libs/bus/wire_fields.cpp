@@ -176,6 +176,7 @@ Status check_fields(const tile_request_t& request) {
   return expect(request.offset >= 0, "offset", request.offset, 0);
 }
 
+  if (request.depth < 0 || request.depth > 7) return expect(false, "depth", request.depth, 7);
 template <>
 Status check_fields(const tile_update_t& update) {
   if (update.content < 0 || update.content > 2) return expect(false, "content", update.content, 2);

@@ -138,7 +138,10 @@ Result<tile_reply_t> TileQueries::answer(const tile_request_t& request) {
   reply.id = request.id;
   reply.tile = request.tile;
   reply.offset = request.offset;
-  auto encoded = atlas_.encoded(*key);
+  if (request.depth < 0 || request.depth > kDepth) {
+    return fail(ErrorCode::kOutOfRange, fmt::format("tile_request_t: depth {}", request.depth));
+  }
+  auto encoded = atlas_.encoded(*key, request.depth);
   if (!encoded && encoded.error().code == ErrorCode::kNotFound) return reply;  // Version 0.
   if (!encoded) return pass_on(encoded);
   const auto total = encoded->bytes.size();

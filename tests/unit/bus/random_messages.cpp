@@ -196,6 +196,7 @@ void RandomMessages::fill(tile_request_t& m) {
   m.offset = small();
 }
 
+  m.depth = static_cast<std::int8_t>(small() % 8);
 void RandomMessages::fill(tile_update_t& m) {
   m.utime = number();
   m.tile = number();

@@ -33,9 +33,11 @@ class BadStore {
   unsigned lose_one_in = 1'000'000;
   bool change_once = false;
   int models_asked = 0;
+  std::set<int> depths;  ///< Those that tiles were asked for at.
 
  private:
   void answer(const tile_request_t& request) {
+    depths.insert(request.depth);
     if (rng_() % lose_one_in == 0) return;
     auto& [version, bytes] = tiles[request.tile];
     tile_reply_t reply{};
@@ -88,12 +90,26 @@ TEST_CASE("tiles are fetched whole, each once, whatever is lost, doubled or chan
   });
   if (!status) FAIL(status.error().message);
   REQUIRE(fetched.size() == wanted.size());
+  REQUIRE(store.depths == std::set{7});
   for (const auto& [tile, is] : fetched) {
     const auto& now = store.tiles[tile];
     // A tile that changed after its last range was asked for may be the one before.
     if (is.first == now.first) REQUIRE(is.second == now.second);
     REQUIRE(now.first - is.first <= 1);
   }
+}
+
+TEST_CASE("tiles may be asked for at a depth", "[bus]") {
+  auto rng = test::engine();
+  auto bus = *Bus::create("memq://");
+  BadStore store(*bus, rng);
+  store.tiles[5] = {3, Bytes(100'000, std::uint8_t{1})};
+  StoreClient client(*bus, *bus, Endpoint::for_this_client());
+  int arrived = 0;
+  const auto count = [&](const StoreClient::FetchedTile&) { ++arrived; };
+  REQUIRE(client.fetch({{0, 5}}, 20'000'000, count, 4).has_value());
+  REQUIRE(arrived == 1);
+  REQUIRE(store.depths == std::set{4});
 }
 
 TEST_CASE("a question is asked again until it is answered", "[bus]") {

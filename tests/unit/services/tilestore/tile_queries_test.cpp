@@ -91,6 +91,7 @@ TEST_CASE("a large tile comes whole in ranges", "[tilestore]") {
   const auto key = TileKey::from_index({kCorner, kCorner, kCorner}).value();
   tile_request_t request{};
   request.tile = static_cast<std::int64_t>(key.morton());
+  request.depth = kDepth;
   Bytes bytes;
   int ranges = 0;
   do {
@@ -105,6 +106,31 @@ TEST_CASE("a large tile comes whole in ranges", "[tilestore]") {
   } while (ranges < 1'000);
   REQUIRE(ranges > 1);
   REQUIRE(decode_tile(bytes).value() == *atlas->tile(key)->tree);
+}
+
+TEST_CASE("a tile can be asked for at any depth, in ever fewer bytes, written or not",
+          "[tilestore][oracle]") {
+  MemoryStore store;
+  auto atlas = model(store, 1, 20'000);
+  TileQueries queries(*atlas, store);
+  const auto key = TileKey::from_index({kCorner, kCorner, kCorner}).value();
+  if (GENERATE(false, true)) REQUIRE(atlas->flush().has_value());
+  const TileTree tree = *atlas->tile(key)->tree;
+  tile_request_t request{};
+  request.tile = static_cast<std::int64_t>(key.morton());
+  std::size_t deeper = SIZE_MAX;
+  for (int depth = kDepth - 1; depth >= 0; --depth) {
+    request.depth = static_cast<std::int8_t>(depth);
+    const auto reply = queries.answer(request);
+    REQUIRE(reply.has_value());
+    REQUIRE(reply->version == 1);
+    REQUIRE(reply->total == reply->size);
+    REQUIRE(decode_tile(reply->payload).value() == cut_tile(tree, depth));
+    REQUIRE(reply->payload.size() <= deeper);
+    if (depth > 2) REQUIRE(reply->payload.size() < deeper);
+    deeper = reply->payload.size();
+  }
+  REQUIRE(deeper < 40);
 }
 
 TEST_CASE("questions that cannot be are refused, and a tile never written has version 0",
@@ -123,6 +149,8 @@ TEST_CASE("questions that cannot be are refused, and a tile never written has ve
   REQUIRE_FALSE(queries.answer(request).has_value());
   request.offset = 1 << 30;
   REQUIRE(queries.answer(request)->size == 0);
+  request.depth = 8;
+  REQUIRE_FALSE(queries.answer(request).has_value());
 }
 
 TEST_CASE("a shard says who it is and where a source stands", "[tilestore]") {
