@@ -86,7 +86,7 @@ Result<std::vector<TileInfo>> Atlas::list(TileKey from, std::size_t limit) {
   return state_->list(from, limit);
 }
 
-Result<bool> Atlas::take_encoded(const EncodedTile& encoded) {
+Result<std::optional<std::uint64_t>> Atlas::take_encoded(const EncodedTile& encoded) {
   if (auto ok = state_->settle(); !ok) return pass_on(ok);
   return state_->take_encoded(encoded);
 }
@@ -113,6 +113,7 @@ AtlasStats Atlas::stats() const {
   stats.cached_tiles = state_->cache.tiles();
   stats.cached_bytes = state_->cache.bytes();
   stats.dirty_tiles = state_->cache.dirty_tiles();
+  stats.resting_tiles = state_->rested.size();
   stats.journal_bytes = state_->journal.bytes();
   return stats;
 }

@@ -21,7 +21,8 @@ struct AtlasOptions {
   std::size_t cache_bytes = std::size_t{256} << 20;  ///< Budget for tiles in memory.
   std::size_t journal_max_bytes = std::size_t{40}
                                   << 20;  ///< Dirty tiles are flushed to stay below.
-  double rest_seconds = 2;  ///< Unchanged for so long after its flush, a tile is rested().
+  double rest_seconds = 2;       ///< Unchanged for so long after its flush, a tile is rested() ...
+  std::size_t rest_bytes = 128;  ///< ... if its stored bytes are at least so many.
 };
 
 /// One scan's part for one shard; deltas in the bytes of encode_delta, ascending by key.
@@ -52,6 +53,7 @@ struct EncodedTile {
 
 struct AtlasStats {
   std::uint64_t cached_tiles = 0, cached_bytes = 0, dirty_tiles = 0;
+  std::uint64_t resting_tiles = 0;  ///< Known to be stored by the fast codec: rested() or soon.
   std::uint64_t journal_bytes = 0;  ///< Appended since the last trim.
   std::uint64_t scans_applied = 0, deltas_applied = 0, tiles_flushed = 0, cache_misses = 0;
   std::uint64_t replayed_records = 0;  ///< At open.
@@ -113,15 +115,18 @@ class Atlas {
   /// Up to `limit` tiles with key >= from, ascending, in memory or on disk; no tombstones.
   Result<std::vector<TileInfo>> list(TileKey from, std::size_t limit);
 
-  /// Takes a compressor's bytes if the version is still the newest and they decode to the same
-  /// tile. Returns whether they were taken. Errors: kCorrupt where they do not decode.
-  Result<bool> take_encoded(const EncodedTile& encoded);
+  /// Takes a compressor's bytes if the version is still the newest. Those that decode to the same
+  /// tile keep its version; those of a lossy codec become its next one, durable on return, if each
+  /// voxel stays unknown, free or occupied as it was. Returns the version that the tile has now;
+  /// nullopt: not taken. Errors: kCorrupt where they do not decode or a voxel changes sides.
+  Result<std::optional<std::uint64_t>> take_encoded(const EncodedTile& encoded);
 
   /// Writes dirty tiles, oldest first, at most `max_tiles`, then trims. flush() writes all.
   Status flush_some(std::size_t max_tiles);
   Status flush();
 
-  /// Tiles that have rested for compressing: flushed by the fast codec, unchanged for a while.
+  /// Tiles that have rested for compressing: flushed by the fast codec, unchanged for a while, not
+  /// so small that nothing is to be gained.
   std::vector<TileInfo> rested(std::size_t limit);
 
   AtlasStats stats() const;

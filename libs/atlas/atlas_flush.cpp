@@ -27,7 +27,7 @@ Status Atlas::State::write_oldest(std::size_t max_tiles) {
     const auto now = RestedTiles::Clock::now();
     for (const auto& stored : batch) {
       cache.cleaned(stored.key);
-      rested.add(stored.key, stored.version, now);
+      if (stored.bytes.size() >= options.rest_bytes) rested.add(stored.key, stored.version, now);
     }
     counts.tiles_flushed += batch.size();
     max_tiles -= batch.size();
@@ -63,19 +63,46 @@ Status Atlas::State::keep_journal() {
   return {};
 }
 
-Result<bool> Atlas::State::take_encoded(const EncodedTile& encoded) {
+Result<std::optional<std::uint64_t>> Atlas::State::take_encoded(const EncodedTile& encoded) {
   auto decoded = decode_tile(encoded.bytes);
-  if (!decoded) return pass_on(decoded, fmt::format("tile {:#x}", encoded.key.morton()));
+  if (!decoded) {
+    rested.remove(encoded.key);  // Whoever made this of it would make it again.
+    return pass_on(decoded, fmt::format("tile {:#x}", encoded.key.morton()));
+  }
   auto tile = load(encoded.key);
   if (!tile) return pass_on(tile);
-  if (*tile == nullptr || (*tile)->version != encoded.version || (*tile)->tree != *decoded) {
-    return false;
+  if (*tile == nullptr || (*tile)->version != encoded.version) return std::nullopt;
+  if ((*tile)->tree != *decoded) {
+    rested.remove(encoded.key);
+    if (codec_of(encoded.bytes).value() != TileCodec::kLossy) return std::nullopt;
+    if (auto ok = put_lossy(encoded, **tile, std::move(*decoded)); !ok) return pass_on(ok);
+    return encoded.version + 1;
   }
   const StoredTile stored[] = {{encoded.key, encoded.version, encoded.bytes}};
   if (auto ok = store.put(shard, epoch, stored); !ok) return pass_on(ok);
   cache.cleaned(encoded.key);
   rested.remove(encoded.key);
-  return true;
+  return encoded.version;
+}
+
+/// A version of its own. It needs no journal record: the put is durable, and a recovery skips the
+/// records that led to the version before.
+Status Atlas::State::put_lossy(const EncodedTile& encoded, CachedTile& tile, TileTree&& tree) {
+  if (!same_occupancy(tile.tree, tree)) {
+    return fail(ErrorCode::kCorrupt,
+                fmt::format("tile {:#x}, lossy: voxels change between unknown, free and occupied",
+                            encoded.key.morton()));
+  }
+  const StoredTile stored[] = {{encoded.key, encoded.version + 1, encoded.bytes}};
+  if (auto ok = store.put(shard, epoch, stored); !ok) {
+    const auto code = ok.error().code;
+    stale = code == ErrorCode::kUnknown || code == ErrorCode::kIo;  // Which version is it now?
+    return ok;
+  }
+  tile.tree = std::move(tree);
+  ++tile.version;
+  cache.cleaned(encoded.key);
+  return {};
 }
 
 /// Looks at stored tiles that were not written since the opening, for those of the fast codec.
@@ -94,7 +121,8 @@ void Atlas::State::find_rested(std::size_t limit) {
     const auto* cached = cache.peek(tile.key);
     const bool newest = cached == nullptr || cached->version == tile.version;
     const auto codec = codec_of(tile.bytes);
-    if (newest && codec && *codec == TileCodec::kFast) {
+    const bool large = tile.bytes.size() >= options.rest_bytes;
+    if (newest && large && codec && *codec == TileCodec::kFast) {
       rested.add(tile.key, tile.version, RestedTiles::Clock::time_point::min());
     }
   }

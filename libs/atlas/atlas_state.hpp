@@ -85,7 +85,8 @@ struct Atlas::State {
   Status trim();
   Status keep_budget(std::optional<TileKey> keep);
   Status keep_journal();
-  Result<bool> take_encoded(const EncodedTile& encoded);
+  Result<std::optional<std::uint64_t>> take_encoded(const EncodedTile& encoded);
+  Status put_lossy(const EncodedTile& encoded, CachedTile& tile, TileTree&& tree);
   std::vector<TileInfo> rested_tiles(std::size_t limit);
   void find_rested(std::size_t limit);
 

@@ -203,7 +203,27 @@ class TileQuantizer {
   std::vector<std::uint16_t> counts_ = std::vector<std::uint16_t>(1u << 16);
 };
 
+/// The voxels of a brick that are known, and those of them that are occupied.
+std::pair<VoxelMask, VoxelMask> occupancy(const BrickTable& table, unsigned brick) {
+  if (table.is_empty(brick)) return {};
+  if (table.is_uniform(brick)) {
+    return {kAllVoxels, is_occupied(table.uniform_log_odds(brick)) ? kAllVoxels : VoxelMask{}};
+  }
+  const Brick& mixed = table.mixed(brick);
+  VoxelMask occupied = free_among(mixed, mixed.known);
+  for (std::size_t i = 0; i < occupied.size(); ++i) occupied[i] ^= mixed.known[i];
+  return {mixed.known, occupied};
+}
+
 }  // namespace
+
+bool same_occupancy(const TileTree& a, const TileTree& b) {
+  if (a.empty() || b.empty()) return a.empty() == b.empty();
+  for (unsigned i = 0; i < kBricks; ++i) {
+    if (occupancy(*a.bricks(), i) != occupancy(*b.bricks(), i)) return false;
+  }
+  return true;
+}
 
 TileTree quantize(const TileTree& tree, const Quantization& how) {
   if (tree.empty()) return {};

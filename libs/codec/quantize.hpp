@@ -44,6 +44,9 @@ class LogOddsQuantizer {
 /// 0..255, the count kept. Error: at most half of 255 / (2^bits - 1), rounded up (bits 1: 128).
 Colour quantize(const Colour& colour, int bits);
 
+/// Is every voxel unknown, free or occupied in both, or in neither? What quantize() promises.
+bool same_occupancy(const TileTree& a, const TileTree& b);
+
 /// The tile with few values, chosen among its own, each voxel within its step: a tile like any
 /// other: updates go on from its values.
 TileTree quantize(const TileTree& tree, const Quantization& how);

@@ -11,6 +11,9 @@
 
 namespace voxatlas {
 
+/// What tile_update_t's payload is.
+static constexpr std::int8_t kDeltaContent = 1, kTileContent = 2;
+
 TilestoreService::TilestoreService(Atlas& atlas, std::size_t commit_bytes)
     : atlas_(atlas),
       commit_bytes_(std::min(commit_bytes, kMaxCommitBytes)),
@@ -78,7 +81,9 @@ Result<TilestoreService::Outcome> TilestoreService::commit() {
     ready_.clear();
     ready_bytes_ = 0;
     outcome.updates.reserve(changes->size());
-    for (const auto& change : *changes) outcome.updates.push_back(to_update(change));
+    for (const auto& change : *changes) {
+      outcome.updates.push_back(to_update(change.key, change.version, kDeltaContent, change.delta));
+    }
   }
   outcome.acknowledged = acknowledge();
   return outcome;
@@ -99,26 +104,27 @@ std::vector<TilestoreService::Acknowledgement> TilestoreService::acknowledge() {
   return result;
 }
 
-tile_update_t TilestoreService::to_update(const TileChange& change) const {
+tile_update_t TilestoreService::to_update(TileKey key, std::uint64_t version, std::int8_t content,
+                                          const Bytes& payload) const {
   tile_update_t update{};
   update.utime = utime_now();
-  update.tile = static_cast<std::int64_t>(change.key.morton());
-  update.version = static_cast<std::int64_t>(change.version);
+  update.tile = static_cast<std::int64_t>(key.morton());
+  update.version = static_cast<std::int64_t>(version);
   update.shard = static_cast<std::int32_t>(atlas_.shard());
-  if (change.delta.size() + 64 <= Bus::kMaxPlainBytes) {
-    update.content = 1;
-    update.payload = change.delta;
+  if (payload.size() + 64 <= Bus::kMaxPlainBytes) {
+    update.content = content;
+    update.payload = payload;
     update.size = static_cast<std::int32_t>(update.payload.size());
   }
   return update;
 }
 
-void TilestoreService::take(const tile_encoded_t& message) {
+std::optional<tile_update_t> TilestoreService::take(const tile_encoded_t& message) {
+  const auto version = static_cast<std::uint64_t>(message.version);
   auto key = atlas_.parameters().grid().tile_from_morton(static_cast<std::uint64_t>(message.tile));
-  Result<bool> taken = false;
+  Result<std::optional<std::uint64_t>> taken = std::nullopt;
   if (key) {
-    taken =
-        atlas_.take_encoded({*key, static_cast<std::uint64_t>(message.version), message.payload});
+    taken = atlas_.take_encoded({*key, version, message.payload});
   } else {
     taken = pass_on(key);
   }
@@ -126,9 +132,12 @@ void TilestoreService::take(const tile_encoded_t& message) {
     ++counters_.encoded_wrong;
     log_warning("compressed tile {:#x} refused: {}", static_cast<std::uint64_t>(message.tile),
                 taken.error().message);
-  } else {
-    ++(*taken ? counters_.encoded_taken : counters_.encoded_stale);
+    return std::nullopt;
   }
+  ++(*taken ? counters_.encoded_taken : counters_.encoded_stale);
+  if (!*taken || **taken == version) return std::nullopt;
+  ++counters_.encoded_lossy;
+  return to_update(*key, **taken, kTileContent, message.payload);
 }
 
 }  // namespace voxatlas

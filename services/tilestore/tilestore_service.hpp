@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <deque>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -45,12 +46,14 @@ class TilestoreService {
   /// Errors: kNoSpace: nothing is lost, call again later. Any other: this process must not go on.
   Result<Outcome> commit();
 
-  /// A compressor's result. Taken, stale, or wrong: counted, and logged where it is wrong.
-  void take(const tile_encoded_t& message);
+  /// A compressor's result. Taken, stale, or wrong: counted, and logged where it is wrong. Returns
+  /// what to publish where a lossy one has become a version of its own; it is durable already.
+  std::optional<tile_update_t> take(const tile_encoded_t& message);
 
   struct Counters {
     std::uint64_t deltas = 0, duplicates = 0, refused = 0, commits = 0;
     std::uint64_t encoded_taken = 0, encoded_stale = 0, encoded_wrong = 0;
+    std::uint64_t encoded_lossy = 0;  ///< Of those taken: a version of their own.
   };
   const Counters& counters() const { return counters_; }
   std::size_t waiting() const { return order_.waiting() + ready_.size(); }
@@ -64,7 +67,8 @@ class TilestoreService {
   };
   Result<ShardScan> to_shard_scan(const scan_delta_t& message) const;
   std::vector<Acknowledgement> acknowledge();
-  tile_update_t to_update(const TileChange& change) const;
+  tile_update_t to_update(TileKey key, std::uint64_t version, std::int8_t content,
+                          const Bytes& payload) const;
 
   Atlas& atlas_;
   std::size_t commit_bytes_;

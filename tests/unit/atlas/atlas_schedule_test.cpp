@@ -95,8 +95,29 @@ class Schedule {
       if (!(tree == at->second.tree)) fits = false;
       encoded.bytes = encode_tile(tree, {TileCodec::kDense});
     }
-    REQUIRE(atlas_->take_encoded(encoded).value() == fits);
+    const auto taken = atlas_->take_encoded(encoded).value();
+    REQUIRE(taken.has_value() == fits);
+    if (fits) REQUIRE(*taken == encoded.version);
     if (fits) REQUIRE(atlas_->encoded(at->first).value().bytes == encoded.bytes);
+  }
+
+  /// A lossy one, sometimes late: a version of its own, from which the tile lives on.
+  void take_lossy() {
+    if (world_.tiles.empty()) return;
+    auto at = world_.tiles.begin();
+    std::advance(at, static_cast<std::ptrdiff_t>(rng_() % world_.tiles.size()));
+    auto& [tree, version] = at->second;
+    const Quantization how{1 + static_cast<int>(rng_() % 8), 3};
+    const EncodedTile encoded{at->first, version - rng_() % 2,
+                              encode_tile(tree, {TileCodec::kLossy, 0, how})};
+    const auto taken = atlas_->take_encoded(encoded).value();
+    REQUIRE(taken.has_value() == (encoded.version == version));
+    if (!taken) return;
+    auto coarse = quantize(tree, how);
+    if (!(coarse == tree)) ++version;
+    REQUIRE(*taken == version);
+    tree = std::move(coarse);
+    REQUIRE(atlas_->encoded(at->first).value().bytes == encoded.bytes);
   }
 
   void look() {
@@ -140,7 +161,7 @@ void random_step(Schedule& schedule, std::mt19937_64& rng) {
     case 2:
       return schedule.flush();
     case 3:
-      return schedule.take_encoded();
+      return rng() % 2 == 0 ? schedule.take_encoded() : schedule.take_lossy();
     case 4:
       return schedule.look();
     default:

@@ -193,6 +193,14 @@ TEST_CASE("a full disk stops new scans, and a freed one lets them on", "[atlas]"
   REQUIRE(atlas->stats().journal_bytes <= options.journal_max_bytes);
 }
 
+/// A tile between the clamps, so that one bit a voxel changes it.
+TileTree two_hits() {
+  TileTree tree;
+  for (int i = 0; i < 2; ++i) tree.hit(CellKey{kDepth, 4711}, SensorModel::standard());
+  for (int i = 0; i < 3; ++i) tree.hit(CellKey{kDepth, 11}, SensorModel::standard());
+  return tree;
+}
+
 std::vector<std::uint64_t> rested_codes(Atlas& atlas) {
   std::vector<std::uint64_t> codes;
   for (const auto& info : atlas.rested(100)) codes.push_back(info.key.morton());
@@ -202,6 +210,7 @@ std::vector<std::uint64_t> rested_codes(Atlas& atlas) {
 TEST_CASE("tiles rest once flushed, until they change or are compressed", "[atlas]") {
   AtlasOptions options;
   options.rest_seconds = 0;
+  options.rest_bytes = 0;
   MemoryStore store;
   auto atlas = open_atlas(store, options);
   const auto scan = small_scan(0, {key(1), key(2), key(3)});
@@ -213,7 +222,7 @@ TEST_CASE("tiles rest once flushed, until they change or are compressed", "[atla
   REQUIRE(atlas->commit({&next, 1}).has_value());
   REQUIRE(rested_codes(*atlas) == std::vector<std::uint64_t>{1, 3});
   const auto tree = *atlas->tile(key(3)).value().tree;
-  REQUIRE(atlas->take_encoded({key(3), 1, encode_tile(tree, {TileCodec::kDense})}).value());
+  REQUIRE(atlas->take_encoded({key(3), 1, encode_tile(tree, {TileCodec::kDense})}).value() == 1);
   REQUIRE(rested_codes(*atlas) == std::vector<std::uint64_t>{1});
   REQUIRE(atlas->flush().has_value());
   atlas.reset();
@@ -235,6 +244,92 @@ TEST_CASE("a compressor's bytes are refused where they do not decode", "[atlas]"
   const auto atlas = open_atlas(store);
   REQUIRE(atlas->take_encoded({key(1), 1, {1, 2, 3}}).error().code == ErrorCode::kCorrupt);
   REQUIRE_FALSE(atlas->take_encoded({key(1), 0, encode_tile({}, {})}).value());
+}
+
+TEST_CASE("a tile for which a compressor has no good answer is not handed out again", "[atlas]") {
+  AtlasOptions options;
+  options.rest_seconds = 0;
+  options.rest_bytes = 0;
+  MemoryStore store;
+  auto atlas = open_atlas(store, options);
+  const auto scan = small_scan(0, {key(1), key(2), key(3)});
+  REQUIRE(atlas->commit({&scan, 1}).has_value());
+  REQUIRE(atlas->flush().has_value());
+  REQUIRE_FALSE(atlas->take_encoded({key(1), 1, {}}).has_value());
+  const auto other = encode_tile(two_hits(), {TileCodec::kDense});
+  REQUIRE_FALSE(atlas->take_encoded({key(2), 1, other}).value());
+  REQUIRE(rested_codes(*atlas) == std::vector<std::uint64_t>{3});
+  REQUIRE(atlas->stats().resting_tiles == 1);
+}
+
+TEST_CASE("a tile too small to gain anything does not rest", "[atlas]") {
+  AtlasOptions options;
+  options.rest_seconds = 0;
+  MemoryStore store;
+  auto atlas = open_atlas(store, options);
+  const auto scan = small_scan(0, {key(1)});
+  REQUIRE(atlas->commit({&scan, 1}).has_value());
+  REQUIRE(atlas->flush().has_value());
+  options.rest_bytes = atlas->encoded(key(1)).value().bytes.size();
+  for (const bool small : {false, true}) {
+    options.rest_bytes += small ? 1 : 0;
+    atlas = open_atlas(store, options);
+    REQUIRE(rested_codes(*atlas).size() == (small ? 0u : 1u));  // Found again.
+    MemoryStore fresh;
+    atlas = open_atlas(fresh, options);
+    REQUIRE(atlas->commit({&scan, 1}).has_value());
+    REQUIRE(atlas->flush().has_value());
+    REQUIRE(rested_codes(*atlas).size() == (small ? 0u : 1u));  // Just written.
+  }
+}
+
+/// An atlas that holds two_hits() as tile 1, version 1.
+std::unique_ptr<Atlas> atlas_of_two_hits(TileStore& store) {
+  auto atlas = open_atlas(store);
+  std::vector<ShardScan> scans;
+  for (std::int64_t seq = 0; seq < 3; ++seq) {
+    TileDelta delta;
+    delta.hits.insert(CellKey{kDepth, 11});
+    if (seq > 0) delta.hits.insert(CellKey{kDepth, 4711});
+    scans.push_back({"car", 1, seq, {{key(1), test::delta_bytes(delta)}}});
+  }
+  REQUIRE(atlas->commit(scans).has_value());
+  REQUIRE(*atlas->tile(key(1)).value().tree == two_hits());
+  return atlas;
+}
+
+const CodecOptions kOneBit{TileCodec::kLossy, 0, {1, 5}};
+
+TEST_CASE("a lossy tile in which a voxel changed sides is refused", "[atlas]") {
+  MemoryStore store;
+  const auto atlas = atlas_of_two_hits(store);
+  auto other = two_hits();
+  other.miss(CellKey{kDepth, 12}, SensorModel::standard());  // It was unknown.
+  REQUIRE(atlas->take_encoded({key(1), 3, encode_tile(other, kOneBit)}).error().code ==
+          ErrorCode::kCorrupt);
+  REQUIRE(*atlas->tile(key(1)).value().tree == two_hits());
+  REQUIRE(atlas->tile(key(1)).value().version == 3);
+}
+
+TEST_CASE("a lossy put that may have happened is read back", "[atlas]") {
+  for (const bool applied : {false, true}) {
+    MemoryStore store;
+    auto atlas = atlas_of_two_hits(store);
+    store.inject([&](StoreCall call) -> std::optional<StoreFault> {
+      if (call != StoreCall::kPut) return std::nullopt;
+      return StoreFault{ErrorCode::kUnknown, applied};
+    });
+    const auto bytes = encode_tile(two_hits(), kOneBit);
+    REQUIRE_FALSE(atlas->take_encoded({key(1), 3, bytes}).has_value());
+    store.inject({});
+    auto expected = applied ? decode_tile(bytes).value() : two_hits();
+    REQUIRE(*atlas->tile(key(1)).value().tree == expected);
+    const auto next = small_scan(3, {key(1)});
+    REQUIRE(atlas->commit({&next, 1}).value().front().version == (applied ? 5 : 4));
+    expected.hit(CellKey{kDepth, 4711}, SensorModel::standard());
+    atlas = open_atlas(store);
+    REQUIRE(*atlas->tile(key(1)).value().tree == expected);
+  }
 }
 
 TEST_CASE("tiles are listed in order, from memory and disk, a page at a time", "[atlas]") {

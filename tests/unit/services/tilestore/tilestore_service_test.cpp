@@ -5,6 +5,7 @@
 #include <map>
 #include <set>
 
+#include "codec/tile_codec.hpp"
 #include "octree/tile_hash.hpp"
 #include "store/memory_store.hpp"
 #include "support/engine.hpp"
@@ -44,15 +45,22 @@ scan_delta_t random_delta(std::mt19937_64& rng, std::int64_t seq) {
   return message;
 }
 
+std::vector<std::pair<TileKey, ByteView>> deltas_of(const scan_delta_t& message) {
+  std::vector<std::pair<TileKey, ByteView>> deltas;
+  ByteReader reader(message.data);
+  for (std::int32_t i = 0; i < message.tiles; ++i) {
+    const auto key = TileKey::from_morton(reader.get<std::uint64_t>()).value();
+    deltas.emplace_back(key, reader.get_bytes(reader.get<std::uint32_t>()));
+  }
+  return deltas;
+}
+
 /// Oracle: every delta applied in seq order to plain trees.
 std::map<std::uint64_t, TileTree> applied_in_order(const std::vector<scan_delta_t>& messages) {
   std::map<std::uint64_t, TileTree> trees;
   for (const auto& message : messages) {
-    ByteReader reader(message.data);
-    for (std::int32_t i = 0; i < message.tiles; ++i) {
-      const auto key = reader.get<std::uint64_t>();
-      const auto delta = decode_delta(reader.get_bytes(reader.get<std::uint32_t>()));
-      trees[key].apply(*delta, SensorModel::standard());
+    for (const auto& [key, bytes] : deltas_of(message)) {
+      trees[key.morton()].apply(*decode_delta(bytes), SensorModel::standard());
     }
   }
   return trees;
@@ -122,6 +130,74 @@ TEST_CASE("updates tell each tile's new version, one more each time", "[tilestor
       REQUIRE(decode_delta(update.payload).has_value());
     }
   }
+}
+
+tile_encoded_t encoded_of(Atlas& atlas, TileKey key, const CodecOptions& how) {
+  const auto now = atlas.tile(key).value();
+  tile_encoded_t message{};
+  message.tile = static_cast<std::int64_t>(key.morton());
+  message.version = static_cast<std::int64_t>(now.version);
+  message.payload = encode_tile(*now.tree, how);
+  message.size = static_cast<std::int32_t>(message.payload.size());
+  return message;
+}
+
+TEST_CASE("a lossy result is a version of its own, told as a whole tile, and lives on",
+          "[tilestore]") {
+  auto rng = test::engine();
+  Fixture set;
+  for (std::int64_t seq = 0; seq < 12; ++seq) {
+    std::mt19937_64 again(
+        static_cast<std::uint64_t>(seq % 5));  // Voxels seen twice, others thrice.
+    set.service.take(random_delta(again, seq), 5, seq);
+  }
+  REQUIRE(set.service.commit().has_value());
+  const CodecOptions one_bit{TileCodec::kLossy, 0, {1, 5}};
+  std::uint32_t x = 0;  // The first tile that one bit changes.
+  while (quantize(*set.atlas->tile(tile(x)).value().tree, one_bit.lossy) ==
+         *set.atlas->tile(tile(x)).value().tree) {
+    ++x;
+  }
+  const TileKey key_of_it = tile(x);
+  const auto before = set.atlas->tile(key_of_it).value();
+  const std::uint64_t version = before.version;
+  REQUIRE(version > 1);
+  const auto late = encoded_of(*set.atlas, key_of_it, {TileCodec::kDense});
+  const auto lossy = encoded_of(*set.atlas, key_of_it, one_bit);
+  TileTree expected = quantize(*before.tree, one_bit.lossy);
+
+  const auto update = set.service.take(lossy);
+  REQUIRE(update.has_value());
+  REQUIRE(update->version == static_cast<std::int64_t>(version) + 1);
+  REQUIRE(update->content == 2);
+  REQUIRE(decode_tile(update->payload).value() == expected);
+  REQUIRE_FALSE(set.service.take(lossy).has_value());  // Once only.
+  REQUIRE_FALSE(set.service.take(late).has_value());
+  REQUIRE(set.service.counters().encoded_lossy == 1);
+  REQUIRE(set.service.counters().encoded_stale == 2);
+
+  const auto next = random_delta(rng, 12);
+  set.service.take(next, 5, 12);
+  REQUIRE(set.service.commit().has_value());
+  for (const auto& [key, bytes] : deltas_of(next)) {
+    if (key == key_of_it) expected.apply(*decode_delta(bytes), SensorModel::standard());
+  }
+  REQUIRE(*set.atlas->tile(key_of_it).value().tree == expected);
+  set.atlas.reset();
+  set.atlas = Atlas::open(set.store, 0, {}, {}).value();  // Without a flush: from the journal.
+  REQUIRE(*set.atlas->tile(key_of_it).value().tree == expected);
+}
+
+TEST_CASE("an exact result keeps the version, and nobody is told", "[tilestore]") {
+  auto rng = test::engine();
+  Fixture set;
+  for (std::int64_t seq = 0; seq < 12; ++seq) set.service.take(random_delta(rng, seq), 5, seq);
+  REQUIRE(set.service.commit().has_value());
+  const auto exact = encoded_of(*set.atlas, tile(3), {TileCodec::kDense});
+  REQUIRE_FALSE(set.service.take(exact).has_value());
+  REQUIRE(set.service.counters().encoded_taken == 1);
+  REQUIRE(set.atlas->encoded(tile(3)).value().bytes == exact.payload);
+  REQUIRE(static_cast<std::int64_t>(set.atlas->tile(tile(3)).value().version) == exact.version);
 }
 
 TEST_CASE("deltas of another model or shard, or that do not decode, are never acknowledged",
