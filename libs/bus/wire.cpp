@@ -131,7 +131,7 @@ template <> const char* shape_of<scan_delta_t>() { return "8s88884" "44nb"; }
 template <> const char* shape_of<scan_t>() { return "8s882288" "888888888888" "14nb"; }
 template <> const char* shape_of<status_t>() { return "8s484s1snC"; }
 template <> const char* shape_of<tile_encoded_t>() { return "888nb"; }
-template <> const char* shape_of<tile_raw_t>() { return "8884nb"; }
+template <> const char* shape_of<tile_raw_t>() { return "888422nb"; }
 template <> const char* shape_of<tile_reply_t>() { return "8888844nb"; }
 template <> const char* shape_of<tile_request_t>() { return "888844841"; }
 template <> const char* shape_of<tile_update_t>() { return "88841nb"; }

@@ -154,8 +154,11 @@ Status check_fields(const tile_encoded_t& tile) {
 
 template <>
 Status check_fields(const tile_raw_t& tile) {
-  return expect(tile.version >= 0 && tile.shard >= 0, "version and shard", tile.version,
-                tile.shard);
+  if (tile.version < 0 || tile.shard < 0) {
+    return expect(false, "version and shard", tile.version, tile.shard);
+  }
+  return expect(tile.clamp_min < 0 && tile.clamp_max >= 0, "clamps", tile.clamp_min,
+                tile.clamp_max);
 }
 
 template <>
@@ -173,10 +176,10 @@ Status check_fields(const tile_request_t& request) {
   if (request.shard < 0 || request.reply_port < 0) {
     return expect(false, "shard and reply_port", request.shard, request.reply_port);
   }
+  if (request.depth < 0 || request.depth > 7) return expect(false, "depth", request.depth, 7);
   return expect(request.offset >= 0, "offset", request.offset, 0);
 }
 
-  if (request.depth < 0 || request.depth > 7) return expect(false, "depth", request.depth, 7);
 template <>
 Status check_fields(const tile_update_t& update) {
   if (update.content < 0 || update.content > 2) return expect(false, "content", update.content, 2);

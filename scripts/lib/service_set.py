@@ -96,12 +96,14 @@ class ServiceSet:
     """`with ServiceSet(DIR) as services:` all are ready inside the block and stopped after it."""
 
     def __init__(self, data_dir, bin_dir=None, url=None, hub=False, stores=1, ingests=1,
-                 compressors=1, renders=1, store_options=(), ready_seconds=READY_SECONDS):
+                 compressors=1, renders=1, store_options=(), ready_seconds=READY_SECONDS,
+                 compress_options=()):
         self.data_dir = pathlib.Path(data_dir).absolute()
         self.bin_dir = pathlib.Path(bin_dir or default_bin_dir())
         self.counts = {"tilestore": stores, "compress": compressors, "ingest": ingests,
                        "render": renders}
         self.store_options = list(store_options)
+        self.compress_options = list(compress_options)
         self.ready_seconds = ready_seconds
         self.wanted = {"url": url, "hub": hub}
         self.bus = None
@@ -160,7 +162,7 @@ class ServiceSet:
                           "--shard", shard, "--shards", stores, "--compressors",
                           self.counts["compress"], *self.store_options)
             for shard in range(stores)]
-        for kind, more in (("compress", []), ("ingest", ["--ingests", self.counts["ingest"]]),
+        for kind, more in (("compress", self.compress_options), ("ingest", ["--ingests", self.counts["ingest"]]),
                            ("render", [])):
             services += [self._service(kind, index, "--url", self.bus.url, "--index", index,
                                        "--stores", stores, *more)

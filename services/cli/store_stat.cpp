@@ -9,6 +9,7 @@
 #include "cli/model_folder.hpp"
 #include "cli/progress.hpp"
 #include "cli/store.hpp"
+#include "codec/tile_codec.hpp"
 #include "octree/tile_hash.hpp"
 
 namespace voxatlas {
@@ -17,7 +18,17 @@ namespace {
 struct ShardFigures {
   std::int64_t tiles = 0, erased = 0, tile_bytes = 0, journal_records = 0, journal_bytes = 0;
   std::int64_t marks = 0, disk_bytes = 0;
+  std::int64_t fast = 0, dense = 0, lossy = 0;  ///< Of the tiles, by codec.
 };
+
+/// Tiles that do not say which they are count as none: `verify` names them.
+void count_codec(const StoredTile& tile, ShardFigures& figures) {
+  const auto codec = codec_of(tile.bytes);
+  if (!codec) return;
+  if (*codec == TileCodec::kFast) ++figures.fast;
+  if (*codec == TileCodec::kDense) ++figures.dense;
+  if (*codec == TileCodec::kLossy) ++figures.lossy;
+}
 
 Result<ShardFigures> measure(ModelFolder& model, ShardId shard) {
   ShardFigures figures;
@@ -26,6 +37,7 @@ Result<ShardFigures> measure(ModelFolder& model, ShardId shard) {
     for (const auto& tile : page) {
       ++(tile.tombstone() ? figures.erased : figures.tiles);
       figures.tile_bytes += static_cast<std::int64_t>(tile.bytes.size());
+      if (!tile.tombstone()) count_codec(tile, figures);
     }
     return {};
   });
@@ -104,6 +116,9 @@ void print(ShardId shard, const ShardFigures& figures, bool json) {
     JsonObject line;
     line.add("shard", std::int64_t{shard})
         .add("tiles", figures.tiles)
+        .add("fast", figures.fast)
+        .add("dense", figures.dense)
+        .add("lossy", figures.lossy)
         .add("erased", figures.erased)
         .add("tile_bytes", figures.tile_bytes)
         .add("journal_records", figures.journal_records)
@@ -114,10 +129,11 @@ void print(ShardId shard, const ShardFigures& figures, bool json) {
     return;
   }
   fmt::print(
-      "shard {}: {} tiles of {} bytes, {} erased; journal {} records of {} bytes; {} marks; {} "
-      "bytes on disk\n",
-      shard, figures.tiles, figures.tile_bytes, figures.erased, figures.journal_records,
-      figures.journal_bytes, figures.marks, figures.disk_bytes);
+      "shard {}: {} tiles of {} bytes ({} fast, {} dense, {} lossy), {} erased; journal {} records "
+      "of {} bytes; {} marks; {} bytes on disk\n",
+      shard, figures.tiles, figures.tile_bytes, figures.fast, figures.dense, figures.lossy,
+      figures.erased, figures.journal_records, figures.journal_bytes, figures.marks,
+      figures.disk_bytes);
 }
 
 }  // namespace

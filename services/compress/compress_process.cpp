@@ -14,21 +14,26 @@
 #include "bus/service_loop.hpp"
 #include "bus/stream_link.hpp"
 #include "compress/compress_service.hpp"
+#include "compress/machine_load.hpp"
+#include "compress/open_tiles.hpp"
 
 namespace voxatlas {
 
 namespace {
 
+constexpr std::int64_t kLongestYield = 250'000;
+
 class CompressProcess {
  public:
   explicit CompressProcess(const CompressOptions& options)
-      : options_(options), service_(options.codec) {}
+      : options_(options), service_(options.policy) {}
 
   Status start();
   Status run();
 
  private:
   Result<std::int64_t> work(std::int64_t now);
+  bool may_work(std::int64_t now);
   void compress_one();
   std::vector<std::pair<std::string, double>> counters() const;
 
@@ -39,6 +44,11 @@ class CompressProcess {
   std::vector<std::unique_ptr<OutLink>> stores_;
   std::unique_ptr<StatusPublisher> status_;
   std::deque<StreamMessage> waiting_;
+  OpenTiles open_;
+  MachineLoad load_;
+  double last_load_ = 0;
+  std::int64_t yields_since_ = 0;  ///< Since when the next tile waits for others; 0: it does not.
+  std::uint64_t yields_ = 0;
 };
 
 Status CompressProcess::start() {
@@ -70,41 +80,72 @@ Status CompressProcess::run() {
   return loop.run();
 }
 
+/// Is there a tile, room for its result, and nothing that comes first?
+bool CompressProcess::may_work(std::int64_t now) {
+  const bool room =
+      std::ranges::all_of(stores_, [](const auto& link) { return link->producer().has_room(); });
+  if (waiting_.empty() || !room) return false;
+  last_load_ = load_.now(now);
+  if (last_load_ <= options_.max_load) {
+    yields_since_ = 0;
+    return true;
+  }
+  if (yields_since_ == 0) {
+    yields_since_ = now;
+    ++yields_;
+  }
+  if (now - yields_since_ < kLongestYield) return false;
+  yields_since_ = 0;  // A machine that is always busy must not keep tiles large for ever.
+  return true;
+}
+
 Result<std::int64_t> CompressProcess::work(std::int64_t now) {
   if (waiting_.empty()) {
     for (auto& message : in_->consumer().take()) waiting_.push_back(std::move(message));
   }
-  const bool room =
-      std::ranges::all_of(stores_, [](const auto& link) { return link->producer().has_room(); });
-  if (!waiting_.empty() && room) compress_one();
-  std::int64_t next = waiting_.empty() || !room ? in_->consumer().next_poll(now) : now;
+  std::int64_t next = INT64_MAX;
+  if (may_work(now)) {
+    compress_one();
+    if (!waiting_.empty()) next = now;
+  } else if (yields_since_ != 0) {
+    next = yields_since_ + kLongestYield;
+  }
   for (auto& link : stores_) {
     if (auto pumped = link->pump(now); !pumped) return pass_on(pumped);
     next = std::min(next, link->producer().next_poll(now));
   }
+  const auto committed = [this](std::size_t shard) {
+    return stores_[shard]->producer().committed_messages();
+  };
+  for (const auto& done : open_.take_done(committed)) {
+    in_->consumer().commit(done.session, done.number);
+  }
   if (auto pumped = in_->pump(now); !pumped) return pass_on(pumped);
   if (auto sent = status_->pump(now, [this] { return counters(); }); !sent) return pass_on(sent);
-  return next;
+  return std::min(next, in_->consumer().next_poll(now));
 }
 
 void CompressProcess::compress_one() {
   const StreamMessage message = std::move(waiting_.front());
   waiting_.pop_front();
-  // Done with, whatever becomes of it: the store hands a tile out again that does not come back.
-  in_->consumer().commit(message.session, message.number);
-  const auto raw = message.kind == MessageKind::kTileRaw
-                       ? decode_message<tile_raw_t>(message.payload)
-                       : Result<tile_raw_t>(fail(ErrorCode::kCorrupt,
-                                                 fmt::format("message of kind {} instead of a tile",
-                                                             static_cast<int>(message.kind))));
-  if (!raw) return log_warning("dropped: {}", raw.error().message);
-  if (raw->shard < 0 || raw->shard >= options_.stores) {
-    return log_warning("dropped: tile of shard {}, there are {}", raw->shard, options_.stores);
+  const OpenTiles::Raw from{message.session, message.number};
+  const auto drop = [&](const std::string& why) {
+    log_warning("dropped: {}", why);
+    open_.dropped(from);
+  };
+  if (message.kind != MessageKind::kTileRaw) {
+    return drop(
+        fmt::format("message of kind {} instead of a tile", static_cast<int>(message.kind)));
   }
-  const auto encoded = service_.compress(*raw);
-  if (!encoded) return log_warning("dropped: {}", encoded.error().message);
-  stores_[static_cast<std::size_t>(raw->shard)]->producer().offer(MessageKind::kTileEncoded,
-                                                                  encode_message(*encoded));
+  const auto raw = decode_message<tile_raw_t>(message.payload);
+  if (!raw) return drop(raw.error().message);
+  if (raw->shard < 0 || raw->shard >= options_.stores) {
+    return drop(fmt::format("tile of shard {}, there are {}", raw->shard, options_.stores));
+  }
+  const auto shard = static_cast<std::size_t>(raw->shard);
+  const auto number = stores_[shard]->producer().offer(MessageKind::kTileEncoded,
+                                                       encode_message(service_.compress(*raw)));
+  open_.answered(from, {shard, number});
 }
 
 std::vector<std::pair<std::string, double>> CompressProcess::counters() const {
@@ -114,14 +155,18 @@ std::vector<std::pair<std::string, double>> CompressProcess::counters() const {
           {"tiles_refused", number(done.refused)},
           {"bytes_in", number(done.bytes_in)},
           {"bytes_out", number(done.bytes_out)},
+          {"ratio", done.ratio()},
           {"busy_ms", number(done.busy_us) / 1000},
-          {"queue", number(waiting_.size())}};
+          {"queue", number(waiting_.size())},
+          {"results_open", number(open_.size())},
+          {"load", last_load_},
+          {"yields", number(yields_)}};
 }
 
 }  // namespace
 
 Status serve_compress(const CompressOptions& options) {
-  constexpr int kPoliteness = 10;  // Import and pictures come first.
+  constexpr int kPoliteness = 19;  // Import and pictures come first.
   if (nice(kPoliteness) == -1) log_warning("could not lower the own priority");
   CompressProcess process(options);
   if (auto started = process.start(); !started) return started;

@@ -57,6 +57,13 @@ static void declare(CLI::App& app, TilestoreOptions& options) {
          "--journal-mb", [&options](std::size_t mb) { options.journal_max_bytes = mb << 20; },
          "most the journal may hold, MiB [40]")
       ->check(CLI::Range(1, 1 << 16));
+  app.add_option("--rest-seconds", options.rest_seconds,
+                 "a tile unchanged for so long is given to a compressor")
+      ->check(CLI::Range(0.0, 1e9))
+      ->capture_default_str();
+  app.add_option("--rest-bytes", options.rest_bytes, "if it is stored in at least so many bytes")
+      ->check(CLI::Range(0, 1 << 30))
+      ->capture_default_str();
   declare_model(app, options.model);
   app.set_config("--config", "", "read options from a TOML file");
   app.allow_config_extras(CLI::config_extras_mode::error);  // A misspelt key must not pass.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <deque>
 #include <memory>
+#include <optional>
 
 #include "atlas/memory_plan.hpp"
 #include "base/log.hpp"
@@ -29,10 +30,12 @@ RocksDbOptions store_options(const MemoryPlan& plan) {
   return options;
 }
 
-AtlasOptions atlas_options(const MemoryPlan& plan, std::size_t journal_max_bytes) {
+AtlasOptions atlas_options(const MemoryPlan& plan, const TilestoreOptions& from) {
   AtlasOptions options;
   options.cache_bytes = plan.tiles;
-  options.journal_max_bytes = journal_max_bytes;
+  options.journal_max_bytes = from.journal_max_bytes;
+  options.rest_seconds = from.rest_seconds;
+  options.rest_bytes = from.rest_bytes;
   return options;
 }
 
@@ -57,8 +60,9 @@ class TilestoreProcess {
   template <class Request>
   void answer_on(const char* request_channel, const char* reply_channel);
   Result<std::int64_t> work(std::int64_t now);
-  void take_messages();
-  void take_message(const StreamMessage& message);
+  Status take_messages();
+  Status take_message(const StreamMessage& message);
+  Status take_encoded(const StreamMessage& message);
   Status commit(std::int64_t now);
   std::vector<std::pair<std::string, double>> counters() const;
 
@@ -94,8 +98,7 @@ Status TilestoreProcess::open_model() {
   auto parameters =
       apply_options(options_.model, options_.shards, stored->value_or(ModelParameters{}));
   if (!parameters) return pass_on(parameters);
-  auto atlas =
-      Atlas::open(*store_, shard, *parameters, atlas_options(plan_, options_.journal_max_bytes));
+  auto atlas = Atlas::open(*store_, shard, *parameters, atlas_options(plan_, options_));
   if (!atlas) return pass_on(atlas, options_.data_dir);
   atlas_ = std::move(*atlas);
   service_ = std::make_unique<TilestoreService>(*atlas_, plan_.commit);
@@ -156,12 +159,12 @@ Status TilestoreProcess::run() {
 }
 
 Result<std::int64_t> TilestoreProcess::work(std::int64_t now) {
-  take_messages();
+  if (auto taken = take_messages(); !taken) return pass_on(taken);
   if (auto committed = commit(now); !committed) return pass_on(committed);
   if (auto pumped = in_->pump(now); !pumped) return pass_on(pumped);
-  if (auto pumped = raw_tiles_->pump(*atlas_, now); !pumped) return pass_on(pumped);
-  if (auto sent = status_->pump(now, [this] { return counters(); }); !sent) return pass_on(sent);
   const bool idle = waiting_.empty() && service_->waiting() == 0;
+  if (auto pumped = raw_tiles_->pump(*atlas_, now, idle); !pumped) return pass_on(pumped);
+  if (auto sent = status_->pump(now, [this] { return counters(); }); !sent) return pass_on(sent);
   if (idle && atlas_->stats().dirty_tiles > 0) {
     constexpr std::size_t kTilesAtOnce = 16;  // A few milliseconds: new scans must not wait long.
     auto flushed = atlas_->flush_some(kTilesAtOnce);
@@ -172,36 +175,45 @@ Result<std::int64_t> TilestoreProcess::work(std::int64_t now) {
   return std::min(in_->consumer().next_poll(now), raw_tiles_->next_poll(now));
 }
 
-void TilestoreProcess::take_messages() {
+Status TilestoreProcess::take_messages() {
   if (waiting_.empty() && service_->has_room()) {
     for (auto& message : in_->consumer().take()) waiting_.push_back(std::move(message));
   }
   while (!waiting_.empty() && service_->has_room()) {
-    take_message(waiting_.front());
+    const StreamMessage message = std::move(waiting_.front());
     waiting_.pop_front();
+    if (auto taken = take_message(message); !taken) return taken;
   }
+  return {};
 }
 
-void TilestoreProcess::take_message(const StreamMessage& message) {
-  if (message.kind == MessageKind::kTileEncoded) {
-    if (auto encoded = decode_message<tile_encoded_t>(message.payload)) {
-      service_->take(*encoded);
-      if (auto key = TileKey::from_morton(static_cast<std::uint64_t>(encoded->tile))) {
-        raw_tiles_->answered(*key);
-      }
-    }
-    in_->consumer().commit(message.session, message.number);  // Best effort: it will be made again.
-    return;
-  }
+Status TilestoreProcess::take_message(const StreamMessage& message) {
+  if (message.kind == MessageKind::kTileEncoded) return take_encoded(message);
   if (message.kind == MessageKind::kScanDelta) {
     auto delta = decode_message<scan_delta_t>(message.payload);
-    if (delta) return service_->take(*delta, message.session, message.number);
+    if (delta) {
+      service_->take(*delta, message.session, message.number);
+      return {};
+    }
     log_error("message {} of stream {} refused: {}", message.number, message.session,
               delta.error().message);
-    return;
+    return {};
   }
   log_error("message {} of stream {} refused: kind {} is not for a tilestore", message.number,
             message.session, static_cast<int>(message.kind));
+  return {};
+}
+
+Status TilestoreProcess::take_encoded(const StreamMessage& message) {
+  std::optional<tile_update_t> update;
+  if (auto encoded = decode_message<tile_encoded_t>(message.payload)) {
+    update = service_->take(*encoded);
+    if (auto key = TileKey::from_morton(static_cast<std::uint64_t>(encoded->tile))) {
+      raw_tiles_->answered(*key);
+    }
+  }
+  in_->consumer().commit(message.session, message.number);  // Best effort: it will be made again.
+  return update ? bus_->publish(kTileUpdateChannel, *update) : Status{};
 }
 
 Status TilestoreProcess::commit(std::int64_t now) {
@@ -245,8 +257,12 @@ std::vector<std::pair<std::string, double>> TilestoreProcess::counters() const {
           {"journal_bytes", number(stats.journal_bytes)},
           {"tiles_flushed", number(stats.tiles_flushed)},
           {"cache_misses", number(stats.cache_misses)},
+          {"resting_tiles", number(stats.resting_tiles)},
           {"handed_to_compress", number(raw_tiles_->handed_out())},
+          {"handed_again", number(raw_tiles_->handed_again())},
+          {"out_to_compress", number(raw_tiles_->out())},
           {"encoded_taken", number(deltas.encoded_taken)},
+          {"encoded_lossy", number(deltas.encoded_lossy)},
           {"encoded_stale", number(deltas.encoded_stale)},
           {"encoded_wrong", number(deltas.encoded_wrong)},
           {"bad_requests", number(bad_requests_)},

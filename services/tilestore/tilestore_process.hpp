@@ -26,6 +26,8 @@ struct TilestoreOptions {
   std::int32_t compressors = 1;
   std::size_t memory_bytes = std::size_t{256} << 20;  ///< MemoryPlan's budget.
   std::size_t journal_max_bytes = AtlasOptions{}.journal_max_bytes;
+  double rest_seconds = AtlasOptions{}.rest_seconds;
+  std::size_t rest_bytes = AtlasOptions{}.rest_bytes;
   ModelOptions model;
 };
 

@@ -171,6 +171,8 @@ void RandomMessages::fill(tile_raw_t& m) {
   m.tile = number();
   m.version = number();
   m.shard = small();
+  m.clamp_min = static_cast<std::int16_t>(-1 - small() % 9'000);
+  m.clamp_max = static_cast<std::int16_t>(small() % 15'000);
   payload(m.size, m.payload);
 }
 
@@ -194,9 +196,9 @@ void RandomMessages::fill(tile_request_t& m) {
   m.shard = small();
   m.tile = number();
   m.offset = small();
+  m.depth = static_cast<std::int8_t>(small() % 8);
 }
 
-  m.depth = static_cast<std::int8_t>(small() % 8);
 void RandomMessages::fill(tile_update_t& m) {
   m.utime = number();
   m.tile = number();

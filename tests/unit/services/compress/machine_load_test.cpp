@@ -1,0 +1,34 @@
+#include "compress/machine_load.hpp"
+
+#include <catch2/catch.hpp>
+
+namespace voxatlas {
+namespace {
+
+TEST_CASE("what runs at a lowered priority, waits or rests is not busy", "[compress]") {
+  //                                             user nice sys idle iowait irq softirq steal
+  const auto ticks = parse_processor_ticks("cpu  100  20   30 400  50     6   7       8 9 10");
+  REQUIRE(ticks.has_value());
+  CHECK(ticks->busy == 100 + 30 + 6 + 7 + 8);
+  CHECK(ticks->all == 100 + 20 + 30 + 400 + 50 + 6 + 7 + 8);
+}
+
+TEST_CASE("what is no /proc/stat is not read as one", "[compress]") {
+  for (const char* text : {"", "cpu ", "cpu 1 2 3", "cpu0 1 2 3 4 5 6 7 8", "cpu 1 2 x 4 5 6 7 8",
+                           "cpu -1 2 3 4 5 6 7 8"}) {
+    CAPTURE(text);
+    CHECK_FALSE(parse_processor_ticks(text).has_value());
+  }
+}
+
+TEST_CASE("this machine's load is a share", "[compress]") {
+  MachineLoad load;
+  for (std::int64_t now = 0; now < 3'000'000; now += 100'000) {
+    const double share = load.now(now);
+    CHECK(share >= 0);
+    CHECK(share <= 1);
+  }
+}
+
+}  // namespace
+}  // namespace voxatlas
