@@ -23,7 +23,7 @@ void ColourMeans::clear() {
 
 void ColourMeans::sum(const Marks& hits, std::span<const Seen> seen) {
   clear();
-  const auto blocks = hits.has_bricks() ? hits.brick_count() : hits.tile_count();
+  const auto blocks = hits.has_bricks() ? hits.brick_slots() : hits.tile_count();
   std::uint32_t rank = 0;
   for (std::uint32_t block = 0; block < blocks; ++block) {
     for (const auto word : words_of(hits, block)) {

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <bit>
 
+#include "integrate/each_bit.hpp"
+
 namespace voxatlas {
 namespace {
-
-using TopBits = std::array<std::uint64_t, 64>;
 
 /// ORs neighbours within groups of `edge` bits that lie `stride` apart, then fills each group.
 std::uint64_t widen_axis(std::uint64_t word, int edge, int stride, std::uint64_t lowest) {
@@ -14,18 +14,6 @@ std::uint64_t widen_axis(std::uint64_t word, int edge, int stride, std::uint64_t
   word &= lowest;
   for (int reach = 1; reach < edge; reach *= 2) word |= word << reach * stride;
   return word;
-}
-
-template <class Visit>
-void for_each_bit(std::uint64_t word, const Visit& visit) {
-  for (; word != 0; word &= word - 1) visit(static_cast<std::uint32_t>(std::countr_zero(word)));
-}
-
-template <class Visit>
-void for_each_top(const TopBits& top, const Visit& visit) {
-  for (std::uint32_t w = 0; w < top.size(); ++w) {
-    for_each_bit(top[w], [&](std::uint32_t bit) { visit(w << 6 | bit); });
-  }
 }
 
 /// Clears [first, first + count), where count is a power of 8 and first a multiple of it.
@@ -109,7 +97,7 @@ std::vector<Touched> touched_tiles(const Marks& misses, const Marks& hits) {
   std::vector<Touched> touched;
   touched.reserve(misses.tile_count() + hits.tile_count());
   const auto key = [](const Marks& marks, std::uint32_t slot) {
-    return *TileKey::from_index(marks.tile(slot).index());  // Made of cells of the grid: valid.
+    return *TileKey::from_index(marks.tile(slot).index);  // Made of cells of the grid: valid.
   };
   for (std::uint32_t i = 0; i < misses.tile_count(); ++i) {
     touched.push_back({key(misses, i), i, Marks::kNone});

@@ -75,14 +75,26 @@ Status check_scan(const Scan& scan) {
 struct Integrator::State {
   Grid grid;
   IntegrationParameters parameters;
-  Carver carver;
+  Marks carved;  ///< The misses where they are coarse, in cells as if those were voxels.
   Marks misses, hits;
   ColourMeans colours;
   std::vector<ColourMeans::Seen> seen;
 
+  void reset(int depth);
   /// Marks every cell of the scan's rays.
   IntegrationCounts mark(const Scan& scan);
 };
+
+void Integrator::State::reset(int depth) {
+  // A scan's cells are at most max_range from its origin.
+  const auto reach =
+      static_cast<std::uint32_t>(std::ceil(2 * parameters.max_range / grid.tile_length())) + 1;
+  carved.reset(kDepth, reach);
+  misses.reset(std::clamp(parameters.free_depth, 0, depth), reach);
+  hits.reset(std::min(parameters.surface_depth, depth), reach);
+  colours.clear();
+  seen.clear();
+}
 
 IntegrationCounts Integrator::State::mark(const Scan& scan) {
   IntegrationCounts counts;
@@ -90,6 +102,8 @@ IntegrationCounts Integrator::State::mark(const Scan& scan) {
   const double min_range = std::max(parameters.min_range, scan.min_range);
   const bool carves = parameters.free_depth != IntegrationParameters::kNoFreeSpace;
   const int hit_shift = kDepth - hits.depth();
+  const double scale = std::ldexp(1.0, misses.depth() - kDepth);
+  Marks& rays = scale == 1 ? misses : carved;
   for (std::size_t i = 0; i < scan.endpoints_ecef.size(); ++i) {
     const auto ray =
         classify(grid, scan.origin_ecef, scan.endpoints_ecef[i], min_range, parameters.max_range);
@@ -102,8 +116,10 @@ IntegrationCounts Integrator::State::mark(const Scan& scan) {
     } else if (ray.kind != Ray::kBeyondMax) {
       continue;
     }
-    if (carves) carver.carve(origin, grid.to_voxels(ray.end_ecef), misses);
+    if (carves) carve(origin * scale, grid.to_voxels(ray.end_ecef) * scale, rays);
   }
+  rays.merge();
+  if (scale != 1) add_cells(carved, misses);
   return counts;
 }
 
@@ -122,14 +138,8 @@ Result<ScanDelta> Integrator::integrate(const Scan& scan) {
   auto on_cube = state_->grid.voxel_at(scan.origin_ecef);
   if (!on_cube) return pass_on(on_cube, "scan's origin");
 
-  const auto& parameters = state_->parameters;
-  state_->misses.reset(std::clamp(parameters.free_depth, 0, *depth));
-  state_->hits.reset(std::min(parameters.surface_depth, *depth));
-  state_->colours.clear();
-  state_->seen.clear();
-
+  state_->reset(*depth);
   const auto counts = state_->mark(scan);
-  state_->misses.merge();
   if (!state_->seen.empty()) state_->colours.sum(state_->hits, state_->seen);
   auto delta = fold(state_->misses, state_->hits, state_->colours);
   delta.counts += counts;

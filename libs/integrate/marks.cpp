@@ -1,13 +1,15 @@
 #include "integrate/marks.hpp"
 
 #include <algorithm>
+#include <new>
 
-#include "grid/region_key.hpp"
+#include "grid/morton.hpp"
+#include "integrate/each_bit.hpp"
 
 namespace voxatlas {
 namespace {
 
-constexpr std::size_t kFirstTable = 1024;
+constexpr unsigned kFewestBits = 5;  ///< A window of 32 tiles is 128 kB.
 /// A scan that needed more than this is rare: its buffers are given back, not kept.
 constexpr std::size_t kKeptBytes = std::size_t{256} << 20;
 
@@ -62,62 +64,68 @@ void Marks::merge() {
   for (auto& planes : bricks_) merge_planes(planes);
 }
 
-void Marks::reset(int depth) {
+void Marks::reset(int depth, std::uint32_t reach) {
   if (memory_bytes() > kKeptBytes) {
     tiles_ = std::vector<Tile>();
-    pages_ = std::vector<std::unique_ptr<Page>>();
+    pages_ = std::vector<std::uint32_t>();
     bricks_ = std::vector<BrickPlanes>();
-    table_ = std::vector<std::uint32_t>();
+    window_bits_ = 0;
+  }
+  if (window_bits_ == 0 || reach >> window_bits_ != 0) {
+    open_window(reach);
+  } else {
+    for (const auto& tile : tiles_) window_[window_place(tile.index)] = 0;
   }
   depth_ = depth;
-  last_id_ = ~std::uint64_t{0};
-  last_slot_ = kNone;
   tiles_.clear();
-  bricks_.clear();
-  if (table_.empty()) table_.resize(kFirstTable);
-  std::fill(table_.begin(), table_.end(), kNone);
+  bricks_.resize(1);
+  if (pages_.empty()) pages_.resize(kBricks);
 }
 
-std::uint32_t Marks::find_or_add(std::uint64_t id) {
-  const std::size_t wrap = table_.size() - 1;
-  std::size_t at = splitmix64(id) & wrap;
-  while (table_[at] != kNone && tiles_[table_[at]].id != id) at = (at + 1) & wrap;
-  last_id_ = id;
-  last_slot_ = table_[at] != kNone ? table_[at] : table_[at] = add_tile(id);
-  if (2 * tiles_.size() > table_.size()) grow_table();
-  return last_slot_;
+void Marks::open_window(std::uint32_t reach) {
+  window_bits_ = std::max(kFewestBits, static_cast<unsigned>(std::bit_width(reach)));
+  // Zeros that cost nothing until they are used: a scan's tiles are a small part of its window.
+  window_.reset(static_cast<std::uint32_t*>(
+      std::calloc(std::size_t{1} << 3 * window_bits_, sizeof(std::uint32_t))));
+  if (window_ == nullptr) throw std::bad_alloc();
+  const std::size_t bricks = std::size_t{16} << window_bits_;
+  axis_wrap_ = static_cast<std::uint32_t>(bricks - 1);
+  for (unsigned axis = 0; axis < 3; ++axis) {
+    axis_places_[axis].resize(bricks);
+    for (std::size_t i = 0; i < bricks; ++i) {
+      const std::uint64_t in_tile = top_bit(static_cast<std::uint32_t>(i % 16), 0, 0);
+      axis_places_[axis][i] = (i / 16 << axis * window_bits_) * kBricks + (in_tile << axis);
+    }
+  }
 }
 
-std::uint32_t Marks::add_tile(std::uint64_t id) {
+std::uint32_t Marks::add_tile(const Index3& tile) {
   const auto slot = tile_count();
-  tiles_.push_back({id, {}});
-  if (has_bricks() && pages_.size() <= slot) pages_.resize(slot + 1);
-  // A page is not cleared: `top` says which entries are meant.
-  if (has_bricks() && !pages_[slot]) pages_[slot].reset(new Page);
+  tiles_.push_back({tile, {}});
+  window_[window_place(tile)] = slot + 1;
+  if (has_bricks()) {
+    pages_.resize(std::max(pages_.size(), (std::size_t{slot} + 2) * kBricks));
+    std::fill_n(page(slot), kBricks, 0);
+  }
   return slot;
 }
 
 std::uint32_t Marks::add_brick(std::uint32_t tile, std::uint32_t brick) {
-  const auto slot = brick_count();
+  const auto slot = brick_slots();
   bricks_.emplace_back();
   tiles_[tile].set(brick);
-  (*pages_[tile])[brick] = slot;
-  return slot;
+  return page(tile)[brick] = slot;
 }
 
-void Marks::grow_table() {
-  table_.assign(table_.size() * 2, kNone);
-  const std::size_t wrap = table_.size() - 1;
-  for (std::uint32_t slot = 0; slot < tile_count(); ++slot) {
-    std::size_t at = splitmix64(tiles_[slot].id) & wrap;
-    while (table_[at] != kNone) at = (at + 1) & wrap;
-    table_[at] = slot;
-  }
+std::uint32_t Marks::add_brick(const VoxelIndex& brick) {
+  const auto tile = tile_slot(brick * 8);
+  const auto low = [&](int axis) { return static_cast<std::uint32_t>(brick[axis]) & 15; };
+  return brick_slot(tile, top_bit(low(0), low(1), low(2)));
 }
 
 std::size_t Marks::memory_bytes() const {
-  return tiles_.capacity() * sizeof(Tile) + pages_.size() * sizeof(Page) +
-         bricks_.capacity() * sizeof(BrickPlanes) + table_.capacity() * sizeof(std::uint32_t);
+  return tiles_.capacity() * sizeof(Tile) + pages_.capacity() * sizeof(std::uint32_t) +
+         bricks_.capacity() * sizeof(BrickPlanes);
 }
 
 MarkPlace set_mark(Marks& marks, const VoxelIndex& cell) {
@@ -136,6 +144,26 @@ MarkPlace set_mark(Marks& marks, const VoxelIndex& cell) {
   const auto voxel = low(2) << 6 | low(1) << 3 | low(0);
   marks.bits(slot)[voxel >> 6] |= std::uint64_t{1} << (voxel & 63);
   return {slot, voxel};
+}
+
+void add_cells(const Marks& cells, Marks& coarse) {
+  for (std::uint32_t slot = 0; slot < cells.tile_count(); ++slot) {
+    const auto& tile = cells.tile(slot);
+    const VoxelIndex low(static_cast<int>(tile.index[0]), static_cast<int>(tile.index[1]),
+                         static_cast<int>(tile.index[2]));
+    for_each_top(tile.top, [&](std::uint32_t brick) {
+      const auto at = morton_decode(brick);
+      const VoxelIndex corner =
+          low * kTileVoxels +
+          8 * VoxelIndex(static_cast<int>(at[0]), static_cast<int>(at[1]), static_cast<int>(at[2]));
+      const auto& bits = cells.bits(cells.brick_slot_of(slot, brick));
+      for (int z = 0; z < 8; ++z) {
+        for_each_bit_of(bits[static_cast<std::size_t>(z)], [&](std::uint32_t bit) {
+          set_mark(coarse, corner + VoxelIndex(bit & 7, bit >> 3, z));
+        });
+      }
+    });
+  }
 }
 
 }  // namespace voxatlas

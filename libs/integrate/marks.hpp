@@ -3,10 +3,12 @@
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <cstdlib>
 #include <memory>
 #include <vector>
 
 #include "grid/grid.hpp"
+#include "integrate/each_bit.hpp"
 
 namespace voxatlas {
 
@@ -15,8 +17,9 @@ using BrickBits = std::array<std::uint64_t, 8>;
 
 /// The same bits three times, each time with another axis as the word: a ray marks the plane of the
 /// axis it mostly runs along, where each of its steps on that axis is a word of its own, so that no
-/// mark waits for the one before. The bit is 8 v + u of the other two axes, u before v.
-using BrickPlanes = std::array<BrickBits, 3>;
+/// mark waits for the one before. The bit is 8 v + u of the other two axes, u before v. Aligned, as
+/// a plane then is one cache line.
+struct alignas(64) BrickPlanes : std::array<BrickBits, 3> {};
 
 /// ORs the planes of x and y into that of z, which is the brick's BrickBits, and clears them.
 void merge_planes(BrickPlanes& planes);
@@ -25,50 +28,61 @@ void merge_planes(BrickPlanes& planes);
 /// changes nothing: so every cell counts once in a scan, which is the paper's key buffering.
 ///
 /// Layout:  a tile has 4096 bits, `top`, in Morton order. At depth 0..4 they are the cells
-///          themselves, 8^depth of them. At depth 5..7 they say which bricks have a page entry; a
-///          cell then is the bit of its lowest voxel in that brick's planes.
+///          themselves, 8^depth of them. At depth 5..7 they say which bricks there are; a cell then
+///          is the bit of its lowest voxel in that brick's planes. A tile is found by its place in
+///          a window that wraps around and is wider than a scan reaches, a brick by its tile's
+///          page: no key is hashed or compared.
 /// Units:   a "cell" below is a voxel index >> (7 - depth), over the whole grid.
 /// Threads: one at a time.
-/// Cost:    a tile 0.5 kB (16.5 kB at depth 5..7), a brick 192 bytes; kept for the next scan.
+/// Cost:    a tile 0.5 kB (16.5 kB at depth 5..7), a brick 192 bytes; kept for the next scan. The
+///          window is 4 bytes a tile of it, of which only pages that were used are real.
 class Marks {
  public:
   static constexpr std::uint32_t kNone = ~0u;
-  using Page = std::array<std::uint32_t, kBricks>;
 
   struct Tile {
-    std::uint64_t id = 0;  ///< Its index, 21 bits an axis, x lowest.
-    std::array<std::uint64_t, 64> top{};
+    Index3 index{};
+    TopBits top{};
 
     bool has(std::uint32_t bit) const { return top[bit >> 6] >> (bit & 63) & 1; }
     void set(std::uint32_t bit) { top[bit >> 6] |= std::uint64_t{1} << (bit & 63); }
-    Index3 index() const {
-      constexpr std::uint64_t axis = (1u << 21) - 1;
-      return {static_cast<std::uint32_t>(id & axis), static_cast<std::uint32_t>(id >> 21 & axis),
-              static_cast<std::uint32_t>(id >> 42)};
-    }
   };
 
-  Marks() { reset(kDepth); }
-  /// Forgets every mark; cells have `depth` from now on.
-  void reset(int depth);
+  Marks() { reset(kDepth, 1); }
+  /// Forgets every mark; cells have `depth` from now on, and no two of them may lie in tiles more
+  /// than `reach` apart on any axis.
+  void reset(int depth, std::uint32_t reach);
 
   int depth() const { return depth_; }
   bool has_bricks() const { return depth_ > kBrickDepth; }
 
   /// The slot of a tile, found or added. `cell` is any cell in it.
   std::uint32_t tile_slot(const VoxelIndex& cell) {
-    const auto id = id_of(cell.x() >> depth_, cell.y() >> depth_, cell.z() >> depth_);
-    return id == last_id_ ? last_slot_ : find_or_add(id);
+    const Index3 tile{static_cast<std::uint32_t>(cell.x() >> depth_),
+                      static_cast<std::uint32_t>(cell.y() >> depth_),
+                      static_cast<std::uint32_t>(cell.z() >> depth_)};
+    const auto slot = window_[window_place(tile)];
+    return slot != 0 ? slot - 1 : add_tile(tile);
   }
   /// The slot of a brick of a tile, found or added.
   std::uint32_t brick_slot(std::uint32_t tile, std::uint32_t brick) {
-    if (tiles_[tile].has(brick)) return (*pages_[tile])[brick];
-    return add_brick(tile, brick);
+    const auto slot = page(tile)[brick];
+    return slot != 0 ? slot : add_brick(tile, brick);
   }
   /// The slot of a brick known to be there.
   std::uint32_t brick_slot_of(std::uint32_t tile, std::uint32_t brick) const {
-    return (*pages_[tile])[brick];
+    return pages_[(std::size_t{tile} + 1) * kBricks + brick];
   }
+
+  /// Depth 7 only, coordinates in bricks over the whole grid. A brick's place is the sum of what
+  /// its coordinates say on each axis; slot_at() is 0 where no brick is, which add_brick() adds.
+  std::uint64_t place_on_axis(std::size_t axis, std::int32_t brick) const {
+    return axis_places_[axis][static_cast<std::uint32_t>(brick) & axis_wrap_];
+  }
+  std::uint32_t slot_at(std::uint64_t place) const {
+    return pages_[std::size_t{window_[place / kBricks]} * kBricks + place % kBricks];
+  }
+  std::uint32_t add_brick(const VoxelIndex& brick);
 
   /// Every reference is good until a tile or a brick is added.
   Tile& tile(std::uint32_t slot) { return tiles_[slot]; }
@@ -80,26 +94,35 @@ class Marks {
   void merge();
 
   std::uint32_t tile_count() const { return static_cast<std::uint32_t>(tiles_.size()); }
-  std::uint32_t brick_count() const { return static_cast<std::uint32_t>(bricks_.size()); }
+  /// Slots of bricks are below this one; slot 0 is nobody's and empty.
+  std::uint32_t brick_slots() const { return static_cast<std::uint32_t>(bricks_.size()); }
   std::size_t memory_bytes() const;
 
  private:
-  static std::uint64_t id_of(std::int32_t x, std::int32_t y, std::int32_t z) {
-    return static_cast<std::uint64_t>(x) | static_cast<std::uint64_t>(y) << 21 |
-           static_cast<std::uint64_t>(z) << 42;
+  struct Free {
+    void operator()(void* memory) const { std::free(memory); }
+  };
+
+  std::size_t window_place(const Index3& tile) const {
+    const std::size_t wrap = (std::size_t{1} << window_bits_) - 1;
+    return (tile[0] & wrap) | (tile[1] & wrap) << window_bits_ |
+           (tile[2] & wrap) << 2 * window_bits_;
   }
-  std::uint32_t find_or_add(std::uint64_t id);
-  std::uint32_t add_tile(std::uint64_t id);
+  std::uint32_t* page(std::uint32_t tile) {
+    return pages_.data() + (std::size_t{tile} + 1) * kBricks;
+  }
+  std::uint32_t add_tile(const Index3& tile);
   std::uint32_t add_brick(std::uint32_t tile, std::uint32_t brick);
-  void grow_table();
+  void open_window(std::uint32_t reach);
 
   int depth_ = kDepth;
-  std::uint64_t last_id_ = ~std::uint64_t{0};
-  std::uint32_t last_slot_ = kNone;
+  unsigned window_bits_ = 0;  ///< The window is 2^window_bits_ tiles wide; 0: there is none yet.
+  std::unique_ptr<std::uint32_t[], Free> window_;  ///< A tile's slot + 1, 0: none.
+  std::uint32_t axis_wrap_ = 0;
+  std::array<std::vector<std::uint64_t>, 3> axis_places_;
   std::vector<Tile> tiles_;
-  std::vector<std::unique_ptr<Page>> pages_;  ///< By tile slot; more than tiles after a reset.
+  std::vector<std::uint32_t> pages_;  ///< Brick slots, 0: none; the first page is nobody's, empty.
   std::vector<BrickPlanes> bricks_;
-  std::vector<std::uint32_t> table_;  ///< Open addressing: tile slot, or kNone.
 };
 
 /// Where a cell's mark is: block = brick slot (depth 5..7) or tile slot (depth 0..4), and the bit
@@ -109,6 +132,9 @@ struct MarkPlace {
   std::uint32_t bit;
 };
 MarkPlace set_mark(Marks& marks, const VoxelIndex& cell);
+
+/// Adds to `coarse` every cell of `cells`, merged, whose voxels are cells of `coarse`'s depth.
+void add_cells(const Marks& cells, Marks& coarse);
 
 /// Morton code of the low `kBrickDepth` (or fewer) bits of a brick's or coarse cell's coordinates.
 inline std::uint32_t top_bit(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
