@@ -1,54 +1,74 @@
 #include "octree/brick.hpp"
 
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "octree/brick.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
 #include <algorithm>
 #include <cstring>
 
+HWY_BEFORE_NAMESPACE();
+namespace voxatlas {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+using Lanes = hn::CappedTag<LogOdds, 16>;
+constexpr std::size_t kLanes = hn::MaxLanes(Lanes());
+alignas(32) constexpr LogOdds kLaneBit[16] = {1,   2,   4,    8,    16,   32,   64,    128,
+                                              256, 512, 1024, 2048, 4096, 8192, 16384, INT16_MIN};
+
+/// The lanes whose bits are set.
+HWY_ATTR hn::Mask<Lanes> lanes_of(std::uint64_t bits) {
+  const auto bit = hn::Load(Lanes(), kLaneBit);
+  return hn::Eq(hn::And(hn::Set(Lanes(), static_cast<LogOdds>(bits)), bit), bit);
+}
+
+/// A sum is clamped on the side it moves to before the addition, so that it stays inside int16, and
+/// on the other side after it. Words without a bit are skipped, but nothing smaller is: what is set
+/// within a word is not to be guessed.
+HWY_ATTR void miss_word(LogOdds* log_odds, std::uint64_t word, const SensorModel& model) {
+  const Lanes d;
+  const auto least = hn::Set(d, static_cast<LogOdds>(model.clamp_min - model.miss));
+  const auto addend = hn::Set(d, model.miss), most = hn::Set(d, model.clamp_max);
+  for (std::size_t i = 0; i < 64; i += kLanes) {
+    const auto before = hn::Load(d, log_odds + i);
+    const auto after = hn::Min(hn::Add(hn::Max(before, least), addend), most);
+    hn::Store(hn::IfThenElse(lanes_of(word >> i), after, before), d, log_odds + i);
+  }
+}
+
+HWY_ATTR void hit_word(LogOdds* log_odds, std::uint64_t word, const SensorModel& model) {
+  const Lanes d;
+  const auto most = hn::Set(d, static_cast<LogOdds>(model.clamp_max - model.hit));
+  const auto addend = hn::Set(d, model.hit), least = hn::Set(d, model.clamp_min);
+  for (std::size_t i = 0; i < 64; i += kLanes) {
+    const auto before = hn::Load(d, log_odds + i);
+    const auto after = hn::Max(hn::Add(hn::Min(before, most), addend), least);
+    hn::Store(hn::IfThenElse(lanes_of(word >> i), after, before), d, log_odds + i);
+  }
+}
+
+HWY_ATTR void update_brick(Brick& brick, const VoxelMask& misses, const VoxelMask& hits,
+                           const SensorModel& model) {
+  for (std::size_t z = 0; z < 8; ++z) {
+    LogOdds* log_odds = brick.log_odds.data() + 64 * z;
+    if (misses[z] != 0) miss_word(log_odds, misses[z], model);
+    if (hits[z] != 0) hit_word(log_odds, hits[z], model);
+    brick.known[z] |= misses[z] | hits[z];
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace voxatlas
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
 namespace voxatlas {
 namespace {
 
 constexpr std::size_t kRow = 8;
-
-using Lanes = std::array<LogOdds, kRow>;
-constexpr Lanes kLaneBit{1, 2, 4, 8, 16, 32, 64, 128};
-
-/// An addend and the bounds that keep the sum inside int16 and inside the clamps: a sum is clamped
-/// on the side it moves to before the addition, on the other side after it.
-struct Step {
-  LogOdds addend, before_min, before_max, after_min, after_max;
-};
-
-Step hit_step(const SensorModel& model) {
-  return {model.hit, INT16_MIN, static_cast<LogOdds>(model.clamp_max - model.hit), model.clamp_min,
-          INT16_MAX};
-}
-
-Step miss_step(const SensorModel& model) {
-  return {model.miss, static_cast<LogOdds>(model.clamp_min - model.miss), INT16_MAX, INT16_MIN,
-          model.clamp_max};
-}
-
-/// One row of eight voxels, without a branch in it: the compiler turns each line into one vector
-/// operation.
-inline void add_to_row(LogOdds* row, unsigned bits, const Step& step) {
-  for (std::size_t x = 0; x < kRow; ++x) {
-    const LogOdds before = std::max(std::min(row[x], step.before_max), step.before_min);
-    const LogOdds sum = static_cast<LogOdds>(before + step.addend);
-    const LogOdds after = std::max(std::min(sum, step.after_max), step.after_min);
-    const bool chosen = (static_cast<LogOdds>(bits) & kLaneBit[x]) == kLaneBit[x];
-    row[x] = chosen ? after : row[x];
-  }
-}
-
-void add(Brick& brick, const VoxelMask& voxels, const Step& step) {
-  for (std::size_t z = 0; z < 8; ++z) {
-    std::uint64_t word = voxels[z];
-    LogOdds* row = brick.log_odds.data() + 64 * z;
-    for (; word != 0; word >>= 8, row += kRow) {
-      if (const unsigned bits = word & 0xff; bits != 0) add_to_row(row, bits, step);
-    }
-    brick.known[z] |= voxels[z];
-  }
-}
+constexpr std::array<LogOdds, kRow> kRowBit{1, 2, 4, 8, 16, 32, 64, 128};
 
 void write(Brick& brick, const VoxelMask& voxels, LogOdds log_odds) {
   for (std::size_t z = 0; z < 8; ++z) {
@@ -57,7 +77,7 @@ void write(Brick& brick, const VoxelMask& voxels, LogOdds log_odds) {
     for (; word != 0; word >>= 8, row += kRow) {
       const LogOdds bits = static_cast<LogOdds>(word & 0xff);
       for (std::size_t x = 0; x < kRow; ++x) {
-        row[x] = (bits & kLaneBit[x]) == kLaneBit[x] ? log_odds : row[x];
+        row[x] = (bits & kRowBit[x]) == kRowBit[x] ? log_odds : row[x];
       }
     }
   }
@@ -65,10 +85,11 @@ void write(Brick& brick, const VoxelMask& voxels, LogOdds log_odds) {
 
 }  // namespace
 
+HWY_EXPORT(update_brick);
+
 void update(Brick& brick, const VoxelMask& misses, const VoxelMask& hits,
             const SensorModel& model) {
-  add(brick, misses, miss_step(model));
-  add(brick, hits, hit_step(model));
+  HWY_DYNAMIC_DISPATCH(update_brick)(brick, misses, hits, model);
 }
 
 void assign(Brick& brick, const VoxelMask& voxels, LogOdds log_odds) {
@@ -97,3 +118,4 @@ VoxelMask free_among(const Brick& brick, const VoxelMask& voxels) {
 }
 
 }  // namespace voxatlas
+#endif

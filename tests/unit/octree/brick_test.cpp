@@ -1,5 +1,7 @@
 #include "octree/brick.hpp"
 
+#include <hwy/targets.h>
+
 #include <catch2/catch.hpp>
 
 #include "octree/log_odds.hpp"
@@ -26,7 +28,9 @@ LogOdds random_log_odds(std::mt19937_64& rng, int low, int high) {
   return static_cast<LogOdds>(value);
 }
 
-TEST_CASE("a brick's update is SensorModel::update, voxel by voxel", "[octree][oracle]") {
+TEST_CASE("a brick's update is SensorModel::update, voxel by voxel, with every set of instructions",
+          "[octree][oracle]") {
+  const auto targets = hwy::SupportedAndGeneratedTargets();
   auto rng = test::engine();
   INFO("VOX_SEED=" << test::seed());
   for (int round = 0; round < 3000; ++round) {
@@ -39,7 +43,10 @@ TEST_CASE("a brick's update is SensorModel::update, voxel by voxel", "[octree][o
     });
     const Brick before = brick;
     const VoxelMask misses = random_mask(rng), hits = random_mask(rng);
+    const auto target = targets[static_cast<std::size_t>(round) % targets.size()];
+    hwy::SetSupportedTargetsForTest(target);
     update(brick, misses, hits, model);
+    hwy::SetSupportedTargetsForTest(0);
     for (unsigned voxel = 0; voxel < kBrickVoxels; ++voxel) {
       LogOdds wanted = before.log_odds[voxel];
       if (has_voxel(misses, voxel)) wanted = model.update(wanted, model.miss);
@@ -47,7 +54,8 @@ TEST_CASE("a brick's update is SensorModel::update, voxel by voxel", "[octree][o
       const bool known =
           has_voxel(before.known, voxel) || has_voxel(misses, voxel) || has_voxel(hits, voxel);
       if (brick.log_odds[voxel] != wanted || has_voxel(brick.known, voxel) != known) {
-        CAPTURE(round, voxel, before.log_odds[voxel], model.hit, model.miss);
+        CAPTURE(hwy::TargetName(target), round, voxel, before.log_odds[voxel], model.hit,
+                model.miss);
         REQUIRE(brick.log_odds[voxel] == wanted);
         REQUIRE(has_voxel(brick.known, voxel) == known);
       }
