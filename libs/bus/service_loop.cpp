@@ -12,13 +12,13 @@
 #include "base/utime.hpp"
 #include "bus/channels.hpp"
 #include "bus/requests.hpp"
+#include "bus/socket_drops.hpp"
 
 namespace voxatlas {
 namespace {
 
 constexpr std::int64_t kLongestWaitUs = 500'000;
 constexpr std::int64_t kStatusEveryUs = 500'000;
-constexpr const char* kVersion = VOXATLAS_VERSION;
 
 /// The one piece of global state: what a signal handler may touch.
 volatile std::sig_atomic_t stop_flag = 0;
@@ -44,6 +44,8 @@ void wait(const ServiceLoop& loop, std::int64_t wait_us) {
 
 }  // namespace
 
+const char* voxatlas_version() { return VOXATLAS_VERSION; }
+
 void stop_on_signals() {
   if (stop_fd < 0) stop_fd = ::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
   struct sigaction action {};
@@ -68,13 +70,21 @@ Status ServiceLoop::run() {
   return {};
 }
 
-StatusPublisher::StatusPublisher(Bus& bus, std::string service, std::int32_t index) : bus_(bus) {
+StatusPublisher::StatusPublisher(Bus& bus, std::string service, std::int32_t index)
+    : StatusPublisher(
+          [&bus](const status_t& status) { return bus.publish(kStatusChannel, status); },
+          std::move(service), index) {
+  bus_ = &bus;
+}
+
+StatusPublisher::StatusPublisher(Send send, std::string service, std::int32_t index)
+    : send_(std::move(send)) {
   status_.utime = 0;
   status_.service = std::move(service);
   status_.index = index;
   status_.instance = random_id();
   status_.pid = ::getpid();
-  status_.version = kVersion;
+  status_.version = voxatlas_version();
   status_.ready = 0;
   status_.state = "starting";
   status_.counters_count = 0;
@@ -88,22 +98,29 @@ void StatusPublisher::set_state(bool ready, std::string state) {
   changed_ = true;
 }
 
-Status StatusPublisher::pump(
-    std::int64_t now,
-    const std::function<std::vector<std::pair<std::string, double>>()>& counters) {
-  if (!changed_ && now - last_sent_ < kStatusEveryUs) return {};
+std::int64_t StatusPublisher::next_pump() const {
+  return changed_ ? 0 : last_sent_ + kStatusEveryUs;
+}
+
+Status StatusPublisher::pump(std::int64_t now, const std::function<StatusCounters()>& counters) {
+  if (now < next_pump()) return {};
   changed_ = false;
   last_sent_ = now;
   status_.utime = utime_now();
   status_.counters.clear();
-  for (auto& [name, value] : counters()) {
+  auto numbers = counters();
+  numbers.emplace_back("kernel_drops", static_cast<double>(socket_drops()));
+  if (bus_ != nullptr) {
+    numbers.emplace_back("undecodable", static_cast<double>(bus_->counters().undecodable));
+  }
+  for (auto& [name, value] : numbers) {
     counter_t counter;
     counter.name = std::move(name);
     counter.value = value;
     status_.counters.push_back(std::move(counter));
   }
   status_.counters_count = static_cast<std::int32_t>(status_.counters.size());
-  auto sent = bus_.publish(kStatusChannel, status_);
+  auto sent = send_(status_);
   // While the hub is away nobody could read it; the next one says the same.
   if (!sent && sent.error().code == ErrorCode::kUnavailable) return {};
   return sent;

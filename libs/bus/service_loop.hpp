@@ -8,8 +8,12 @@
 
 #include "base/result.hpp"
 #include "bus/bus.hpp"
+#include "bus/status_counters.hpp"
 
 namespace voxatlas {
+
+/// Of this build, such as "0.1.0": what its statuses say.
+const char* voxatlas_version();
 
 /// Sets the flag that stop_requested() reads, on SIGINT and SIGTERM. Once, in main.
 void stop_on_signals();
@@ -35,19 +39,25 @@ struct ServiceLoop {
   Status run();
 };
 
-/// What a service tells of itself twice a second (status_t).
+/// What a service tells of itself twice a second (status_t). To its counters it adds what is true
+/// of any process on the bus: kernel_drops (socket_drops()), undecodable.
 class StatusPublisher {
  public:
+  using Send = std::function<Status(const status_t&)>;
+
   StatusPublisher(Bus& bus, std::string service, std::int32_t index);
+  /// Of a service that is not on the bus itself: `send` brings it there.
+  StatusPublisher(Send send, std::string service, std::int32_t index);
 
   void set_state(bool ready, std::string state);
   /// Publishes where half a second has passed since the last time, or the state has changed.
   /// `counters` is called only then.
-  Status pump(std::int64_t now,
-              const std::function<std::vector<std::pair<std::string, double>>()>& counters);
+  Status pump(std::int64_t now, const std::function<StatusCounters()>& counters);
+  std::int64_t next_pump() const;  ///< When it will publish; steady microseconds.
 
  private:
-  Bus& bus_;
+  Bus* bus_ = nullptr;
+  Send send_;
   status_t status_;
   std::int64_t last_sent_ = 0;
   bool changed_ = true;

@@ -270,6 +270,12 @@ std::size_t StreamConsumer::held_bytes() const {
   return state_->ready_bytes + state_->pieces_bytes;
 }
 
+std::int64_t StreamConsumer::credit() const {
+  std::int64_t chunks = 0;
+  for (const auto& [session, source] : state_->sources) chunks += source.account.outstanding();
+  return chunks;
+}
+
 const StreamConsumer::Counters& StreamConsumer::counters() const { return state_->counters; }
 
 }  // namespace voxatlas

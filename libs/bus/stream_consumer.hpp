@@ -61,6 +61,7 @@ class StreamConsumer {
   std::int64_t next_poll(std::int64_t now) const;
 
   std::size_t held_bytes() const;
+  std::int64_t credit() const;  ///< Chunks granted to all producers and not yet there.
 
   struct Counters {
     std::uint64_t chunks = 0, duplicates = 0, refused = 0, acks_sent = 0, gaps_reported = 0;

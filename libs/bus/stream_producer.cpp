@@ -310,6 +310,9 @@ std::vector<Bytes> StreamProducer::uncommitted() const {
   return payloads;
 }
 std::size_t StreamProducer::held_bytes() const { return state_->held_bytes; }
+std::int64_t StreamProducer::credit() const {
+  return std::max<std::int64_t>(0, state_->credit - state_->next);
+}
 std::int64_t StreamProducer::last_heard() const { return state_->last_heard; }
 const StreamProducer::Counters& StreamProducer::counters() const { return state_->counters; }
 

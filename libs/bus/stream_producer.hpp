@@ -66,6 +66,7 @@ class StreamProducer {
   std::int64_t committed_messages() const;  ///< Every message below this number is committed.
   std::int64_t offered_messages() const;
   std::size_t held_bytes() const;
+  std::int64_t credit() const;  ///< Chunks the consumer last said it would take.
   /// The payloads of all messages from committed_messages() on, for another stream to carry.
   std::vector<Bytes> uncommitted() const;
   /// When the consumer was last heard of; 0: never.

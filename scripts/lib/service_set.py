@@ -179,7 +179,7 @@ class ServiceSet:
         return {**os.environ, **url}
 
     def wait_until_ready(self):
-        self.run("watch", "status", "--until-ready", sum(self.counts.values()), "--timeout",
+        self.run("watch", "status", "--until-ready", len(self.services), "--timeout",
                  self.ready_seconds, quiet=True)
 
     # --- while it runs ---

@@ -157,6 +157,35 @@ static void declare_render(CLI::App& app, Command& command) {
   sub->add_flag("--json", options.json, "print what was drawn and the stages' times as JSON");
 }
 
+static void declare_watch_tiles(CLI::App& tiles, WatchOptions& options) {
+  auto* box = tiles.add_option("--box", options.box,
+                               "X,Y,Z,X,Y,Z: only tiles that touch the box with these opposite "
+                               "corners, ECEF, metres");
+  auto* around =
+      tiles.add_option("--around", options.around, "LAT,LON,HEIGHT: only tiles near this place");
+  around->excludes(box);
+  tiles.add_option("--radius", options.radius, "how near, metres, on each axis")
+      ->check(CLI::PositiveNumber)
+      ->needs(around)
+      ->capture_default_str();
+  auto* follow = tiles.add_flag("--follow", options.follow,
+                                "keep a copy of the tiles, from a snapshot and all updates, and "
+                                "say each time it is in step with the stores");
+  tiles.add_option("--depth", options.depth, "of that copy: 0 to 7 (10 cm)")
+      ->check(CLI::Range(0, 7))
+      ->needs(follow)
+      ->capture_default_str();
+  tiles
+      .add_option("--hashes", options.hashes,
+                  "write the copy's keys, versions and SHA-256 to this file each time it is in "
+                  "step, as stat --hashes does")
+      ->needs(follow);
+  tiles
+      .add_option("--quiet", options.quiet,
+                  "end when it is in step and nothing has come for so many seconds [0: never]")
+      ->needs(follow);
+}
+
 static void declare_watch(CLI::App& app, Command& command) {
   auto* watch = app.add_subcommand("watch", "print what is published, a line each, until Ctrl-C");
   watch->require_subcommand(1);
@@ -171,7 +200,8 @@ static void declare_watch(CLI::App& app, Command& command) {
   };
   auto [frames, frame_options] = add("frames", "pictures that renderers broadcast", watch_frames);
   frames->add_option("--out", frame_options->out, "folder to keep the pictures in");
-  add("tiles", "tiles that have changed", watch_tiles);
+  auto [tiles, tile_options] = add("tiles", "tiles that have changed", watch_tiles);
+  declare_watch_tiles(*tiles, *tile_options);
   auto [status, status_options] =
       add("status", "how each service is, twice a second", watch_status);
   status->add_option("--until-ready", status_options->until_ready,

@@ -82,28 +82,39 @@ Result<std::int64_t> ModelClient::durable_up_to(const std::string& source, std::
 }
 
 Status ModelClient::for_each_tile(bool details, const std::function<void(const TileRow&)>& visit) {
-  const auto last = static_cast<std::int32_t>(parameters_.grid().tiles_per_axis()) - 1;
   for (std::uint32_t shard = 0; shard < parameters_.shards; ++shard) {
-    tiles_request_t request{};
-    request.shard = static_cast<std::int32_t>(shard);
-    request.details = details ? 1 : 0;
-    std::ranges::fill(request.max_index, last);
-    while (request.from >= 0) {
-      if (stop_requested()) return fail(ErrorCode::kUnavailable, "stopped");
-      auto reply = stores_->tiles(request, kPatience);
-      if (!reply) return pass_on(reply);
-      const std::size_t row_bytes = details ? kDetailedRowBytes : kPlainRowBytes;
-      if (reply->rows.size() != static_cast<std::size_t>(reply->tiles) * row_bytes ||
-          (reply->next >= 0 && reply->next <= request.from)) {
-        return fail(
-            ErrorCode::kCorrupt,
-            fmt::format("tilestore {}: a page of {} tiles in {} bytes, from {}, next {}", shard,
-                        reply->tiles, reply->rows.size(), request.from, reply->next));
-      }
-      ByteReader reader(reply->rows);
-      while (reader.remaining() > 0) visit(read_row(reader, details));
-      request.from = reply->next;
+    auto listed =
+        list_shard(static_cast<std::int32_t>(shard), TileBox{}, details, kPatience, visit);
+    if (!listed) return listed;
+  }
+  return {};
+}
+
+Status ModelClient::list_shard(std::int32_t shard, const TileBox& box, bool details,
+                               std::int64_t timeout_us,
+                               const std::function<void(const TileRow&)>& visit) {
+  const auto last = parameters_.grid().tiles_per_axis() - 1;
+  tiles_request_t request{};
+  request.shard = shard;
+  request.details = details ? 1 : 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    request.min_index[axis] = static_cast<std::int32_t>(std::min(box.min[axis], last));
+    request.max_index[axis] = static_cast<std::int32_t>(std::min(box.max[axis], last));
+  }
+  while (request.from >= 0) {
+    if (stop_requested()) return fail(ErrorCode::kUnavailable, "stopped");
+    auto reply = stores_->tiles(request, timeout_us);
+    if (!reply) return pass_on(reply);
+    const std::size_t row_bytes = details ? kDetailedRowBytes : kPlainRowBytes;
+    if (reply->rows.size() != static_cast<std::size_t>(reply->tiles) * row_bytes ||
+        (reply->next >= 0 && reply->next <= request.from)) {
+      return fail(ErrorCode::kCorrupt,
+                  fmt::format("tilestore {}: a page of {} tiles in {} bytes, from {}, next {}",
+                              shard, reply->tiles, reply->rows.size(), request.from, reply->next));
     }
+    ByteReader reader(reply->rows);
+    while (reader.remaining() > 0) visit(read_row(reader, details));
+    request.from = reply->next;
   }
   return {};
 }

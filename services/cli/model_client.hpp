@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "atlas/model_parameters.hpp"
+#include "atlas/tile_mirror.hpp"
 #include "base/result.hpp"
 #include "bus/bus.hpp"
 #include "bus/requests.hpp"
@@ -48,6 +49,9 @@ class ModelClient {
   };
   /// Every tile of every shard, page by page, each shard ascending by key.
   Status for_each_tile(bool details, const std::function<void(const TileRow&)>& visit);
+  /// Those of one shard that lie in a box; each page may take `timeout_us`.
+  Status list_shard(std::int32_t shard, const TileBox& box, bool details, std::int64_t timeout_us,
+                    const std::function<void(const TileRow&)>& visit);
 
  private:
   Status ask_all_shards();

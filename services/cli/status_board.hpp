@@ -21,17 +21,20 @@ class StatusBoard {
   /// How many services are ready and not silent.
   std::int64_t ready(std::int64_t now) const;
 
-  /// On a terminal the whole table, drawn anew; elsewhere a line, or JSON, for `status` alone.
-  void print(const status_t& status, bool json) const;
+  /// All of them, a line each under a line of headings, each line cut to `width` characters.
+  std::string table(std::int64_t now, std::size_t width) const;
 
  private:
   struct Entry {
     status_t status;
     std::int64_t heard = 0;
   };
-  std::string table(std::int64_t now) const;
 
   std::map<std::pair<std::string, std::int32_t>, Entry> services_;
 };
+
+/// One status as a line for a person, and as JSON with all its counters.
+std::string status_line(const status_t& status);
+std::string status_json(const status_t& status);
 
 }  // namespace voxatlas

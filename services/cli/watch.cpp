@@ -1,6 +1,8 @@
 #include "cli/watch.hpp"
 
 #include <fmt/format.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
 
 #include <cstdio>
 #include <filesystem>
@@ -9,43 +11,22 @@
 #include <utility>
 
 #include "base/utime.hpp"
-#include "bus/bus.hpp"
 #include "bus/channels.hpp"
-#include "bus/service_loop.hpp"
 #include "cli/json_text.hpp"
 #include "cli/status_board.hpp"
+#include "cli/watch_channel.hpp"
 
 namespace voxatlas {
 
 namespace {
 
-/// Subscribes, then prints until a signal, `done`, or the time is over, which is an error.
-template <class Message>
-Status watch(const WatchOptions& options, const char* channel,
-             const std::function<Status(const Message&)>& print,
-             const std::function<bool()>& done) {
-  auto bus = Bus::create(options.url);
-  if (!bus) return pass_on(bus);
-  Status printed;
-  (*bus)->subscribe<Message>(channel, [&](const Message& message) {
-    if (printed && !done()) printed = print(message);
-  });
-  const std::int64_t deadline =
-      options.timeout > 0 ? steady_utime() + static_cast<std::int64_t>(options.timeout * 1e6)
-                          : INT64_MAX;
-  ServiceLoop loop;
-  loop.buses = {bus->get()};
-  loop.finished = done;
-  loop.work = [&](std::int64_t now) -> Result<std::int64_t> {
-    std::fflush(stdout);
-    if (!printed) return pass_on(printed);
-    if (now >= deadline && !done()) {
-      return fail(ErrorCode::kUnavailable,
-                  fmt::format("nothing more came on {} within {} s", channel, options.timeout));
-    }
-    return deadline;
-  };
-  return loop.run();
+constexpr std::int64_t kTableEveryUs = 500'000;
+
+std::size_t terminal_width() {
+  constexpr std::size_t kUsual = 80;
+  winsize size{};
+  if (ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_col == 0) return kUsual;
+  return size.ws_col;
 }
 
 void print_frame(const frame_t& frame, bool json) {
@@ -82,24 +63,6 @@ Status keep_picture(const frame_t& frame, const std::string& folder) {
   return {};
 }
 
-void print_tile(const tile_update_t& update, bool json) {
-  const auto key = fmt::format("{:016x}", static_cast<std::uint64_t>(update.tile));
-  if (!json) {
-    constexpr const char* kContents[] = {"changed", "delta", "tile"};
-    const auto content = update.content >= 0 && update.content <= 2 ? update.content : 0;
-    fmt::print("tile {} version {}: {}, {} bytes\n", key, update.version, kContents[content],
-               update.size);
-    return;
-  }
-  JsonObject line;
-  line.add("tile", key)
-      .add("version", update.version)
-      .add("shard", std::int64_t{update.shard})
-      .add("content", std::int64_t{update.content})
-      .add("bytes", std::int64_t{update.size});
-  fmt::print("{}\n", line.text());
-}
-
 }  // namespace
 
 Status watch_frames(const WatchOptions& options) {
@@ -109,7 +72,7 @@ Status watch_frames(const WatchOptions& options) {
     return fail(ErrorCode::kIo, fmt::format("{}: {}", options.out, failed.message()));
   }
   std::int64_t seen = 0;
-  return watch<frame_t>(
+  return watch_channel<frame_t>(
       options, kFrameChannel,
       [&](const frame_t& frame) {
         ++seen;
@@ -119,33 +82,30 @@ Status watch_frames(const WatchOptions& options) {
       [&] { return options.count > 0 && seen >= options.count; });
 }
 
-Status watch_tiles(const WatchOptions& options) {
-  std::int64_t seen = 0;
-  return watch<tile_update_t>(
-      options, kTileUpdateChannel,
-      [&](const tile_update_t& update) -> Status {
-        ++seen;
-        print_tile(update, options.json);
-        return {};
-      },
-      [&] { return options.count > 0 && seen >= options.count; });
-}
-
 Status watch_status(const WatchOptions& options) {
+  const bool is_table = !options.json && isatty(STDOUT_FILENO) == 1;
   StatusBoard board;
-  std::int64_t seen = 0;
-  auto ended = watch<status_t>(
-      options, kStatusChannel,
-      [&](const status_t& status) -> Status {
-        ++seen;
-        board.note(status, steady_utime());
-        board.print(status, options.json);
-        return {};
-      },
-      [&] {
-        return (options.count > 0 && seen >= options.count) ||
-               (options.until_ready > 0 && board.ready(steady_utime()) >= options.until_ready);
-      });
+  std::int64_t seen = 0, next_table = 0;
+  const auto print = [&](const status_t& status) -> Status {
+    ++seen;
+    board.note(status, steady_utime());
+    if (options.json) fmt::print("{}\n", status_json(status));
+    if (!options.json && !is_table) fmt::print("{}\n", status_line(status));
+    return {};
+  };
+  const auto done = [&] {
+    return (options.count > 0 && seen >= options.count) ||
+           (options.until_ready > 0 && board.ready(steady_utime()) >= options.until_ready);
+  };
+  const auto draw = [&](std::int64_t now) {
+    if (!is_table) return std::int64_t{INT64_MAX};
+    if (now >= next_table) {
+      next_table = now + kTableEveryUs;
+      fmt::print("\x1b[H\x1b[J{}", board.table(now, terminal_width()));  // From the top, cleared.
+    }
+    return next_table;
+  };
+  auto ended = watch_channel<status_t>(options, kStatusChannel, print, done, draw);
   if (!ended && options.until_ready > 0) {
     return pass_on(ended, fmt::format("{} of {} services are ready", board.ready(steady_utime()),
                                       options.until_ready));

@@ -14,6 +14,15 @@ struct WatchOptions {
   std::int64_t until_ready = 0;  ///< Status: ends when so many services are ready; 0: never.
   double timeout = 0;            ///< Seconds, then it is an error; 0: none.
   bool json = false;             ///< One JSON object a line.
+
+  // Of tiles:
+  std::string box;      ///< parse_box's text: only tiles that touch it; empty: all.
+  std::string around;   ///< parse_place's text: the same, a cube about it,
+  double radius = 50;   ///< half its edge in metres.
+  bool follow = false;  ///< Keep a copy of the tiles and say when it is in step.
+  int depth = 7;        ///< Of that copy.
+  std::string hashes;   ///< File for the copy's keys, versions, hashes, written when in step.
+  double quiet = 0;     ///< End in step when nothing came for so many seconds; 0: never.
 };
 
 /// Print what is published, a line each, until a signal, `count` or `timeout`.

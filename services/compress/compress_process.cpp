@@ -35,7 +35,7 @@ class CompressProcess {
   Result<std::int64_t> work(std::int64_t now);
   bool may_work(std::int64_t now);
   void compress_one();
-  std::vector<std::pair<std::string, double>> counters() const;
+  StatusCounters counters() const;
 
   CompressOptions options_;
   CompressService service_;
@@ -122,7 +122,7 @@ Result<std::int64_t> CompressProcess::work(std::int64_t now) {
   }
   if (auto pumped = in_->pump(now); !pumped) return pass_on(pumped);
   if (auto sent = status_->pump(now, [this] { return counters(); }); !sent) return pass_on(sent);
-  return std::min(next, in_->consumer().next_poll(now));
+  return std::min({next, in_->consumer().next_poll(now), status_->next_pump()});
 }
 
 void CompressProcess::compress_one() {
@@ -148,19 +148,24 @@ void CompressProcess::compress_one() {
   open_.answered(from, {shard, number});
 }
 
-std::vector<std::pair<std::string, double>> CompressProcess::counters() const {
+StatusCounters CompressProcess::counters() const {
   const auto number = [](auto value) { return static_cast<double>(value); };
   const auto& done = service_.counters();
-  return {{"tiles", number(done.tiles)},
-          {"tiles_refused", number(done.refused)},
-          {"bytes_in", number(done.bytes_in)},
-          {"bytes_out", number(done.bytes_out)},
-          {"ratio", done.ratio()},
-          {"busy_ms", number(done.busy_us) / 1000},
-          {"queue", number(waiting_.size())},
-          {"results_open", number(open_.size())},
-          {"load", last_load_},
-          {"yields", number(yields_)}};
+  StatusCounters all{{"tiles", number(done.tiles)},
+                     {"tiles_refused", number(done.refused)},
+                     {"bytes_in", number(done.bytes_in)},
+                     {"bytes_out", number(done.bytes_out)},
+                     {"ratio", done.ratio()},
+                     {"busy_ms", number(done.busy_us) / 1000},
+                     {"queue", number(waiting_.size())},
+                     {"results_open", number(open_.size())},
+                     {"load", last_load_},
+                     {"yields", number(yields_)}};
+  std::vector<StreamProducer*> producers;
+  for (const auto& link : stores_) producers.push_back(&link->producer());
+  add_incoming(in_->consumer(), all);
+  add_outgoing(producers, all);
+  return all;
 }
 
 }  // namespace

@@ -100,7 +100,7 @@ std::int32_t HubServer::port() const {
   return ntohs(where.sin_port);
 }
 
-const HubService::Counters& HubServer::counters() const { return state_->service.counters(); }
+HubService& HubServer::service() { return state_->service; }
 
 void HubServer::State::accept() {
   while (true) {

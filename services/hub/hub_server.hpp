@@ -20,7 +20,7 @@ class HubServer {
   std::int32_t port() const;
   /// Waits until something happens, at most so long, and does it. Errors: kIo: it cannot go on.
   Status serve(int wait_ms);
-  const HubService::Counters& counters() const;
+  HubService& service();
 
  private:
   struct State;

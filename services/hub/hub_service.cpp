@@ -169,6 +169,22 @@ void HubService::publish(ByteView message, std::string_view channel) {
   }
 }
 
+void HubService::say(std::string_view channel, ByteView data) {
+  Bytes message;
+  put_word(message, kPublish);
+  put_word(message, static_cast<std::uint32_t>(channel.size()));
+  message.insert(message.end(), channel.begin(), channel.end());
+  put_word(message, static_cast<std::uint32_t>(data.size()));
+  message.insert(message.end(), data.begin(), data.end());
+  publish(message, channel);
+}
+
+std::size_t HubService::waiting_bytes() const {
+  std::size_t bytes = 0;
+  for (const auto& [id, client] : clients_) bytes += client.out_bytes;
+  return bytes;
+}
+
 std::vector<ByteView> HubService::waiting(ClientId id, std::size_t most_pieces) const {
   const auto& client = clients_.at(id);
   std::vector<ByteView> pieces;

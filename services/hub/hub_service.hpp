@@ -45,6 +45,9 @@ class HubService {
   /// What a client has sent, in any pieces. Errors: kCorrupt, kOutOfRange: close it.
   Status receive(ClientId client, ByteView bytes);
 
+  /// A message of the hub's own, to all who asked for its channel.
+  void say(std::string_view channel, ByteView data);
+
   /// What waits for a client, in order; valid until the next call that is not const.
   std::vector<ByteView> waiting(ClientId client, std::size_t most_pieces) const;
   /// So many bytes of that were taken.
@@ -55,6 +58,7 @@ class HubService {
     std::uint64_t messages = 0, delivered = 0, dropped = 0, clients = 0;
   };
   const Counters& counters() const { return counters_; }
+  std::size_t waiting_bytes() const;  ///< For all clients together.
 
  private:
   /// Owned by every client that it waits for; it dies with the last.

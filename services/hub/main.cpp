@@ -1,16 +1,20 @@
 // voxatlas-hub: a bus over TCP where multicast does not work.
 //
 //   every channel, from every client to every client that asked for it (LCM's tcpq protocol)
+//   out  VOXATLAS_STATUS
 //
 // A last resort: correct, not fast. Clients use the URL tcpq://127.0.0.1:PORT.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 
 #include "base/log.hpp"
+#include "base/utime.hpp"
 #include "bus/bus_url.hpp"
+#include "bus/channels.hpp"
 #include "bus/service_loop.hpp"
 #include "hub/hub_server.hpp"
 
@@ -24,6 +28,8 @@ struct Options {
 
 static void declare(CLI::App& app, Options& options);
 static int serve(const Options& options);
+static StatusPublisher hub_status(HubService& hub);
+static StatusCounters counters_of(const HubService& hub);
 static int probe(const std::string& url);
 
 }  // namespace voxatlas
@@ -65,14 +71,40 @@ static int serve(const Options& options) {
   }
   fmt::print("ready {}\n", (*server)->port());
   std::fflush(stdout);
-  constexpr int kLongestWaitMs = 500;
+  auto status = hub_status((*server)->service());
   while (!stop_requested()) {
-    if (auto served = (*server)->serve(kLongestWaitMs); !served) {
+    const auto now = steady_utime();
+    auto served = status.pump(now, [&] { return counters_of((*server)->service()); });
+    const auto wait_us = std::clamp<std::int64_t>(status.next_pump() - now, 0, 500'000);
+    if (served) served = (*server)->serve(static_cast<int>(wait_us / 1000) + 1);
+    if (!served) {
       fmt::print(stderr, "voxatlas-hub: {}\n", served.error().message);
       return 1;
     }
   }
   return 0;
+}
+
+/// The hub is no client of its own: it puts its status among the messages it carries.
+static StatusPublisher hub_status(HubService& hub) {
+  StatusPublisher status(
+      [&hub](const status_t& message) -> Status {
+        hub.say(kStatusChannel, encode_message(message));
+        return {};
+      },
+      "hub", 0);
+  status.set_state(true, "ready");
+  return status;
+}
+
+static StatusCounters counters_of(const HubService& hub) {
+  const auto number = [](auto value) { return static_cast<double>(value); };
+  const auto& counted = hub.counters();
+  return {{"clients", number(counted.clients)},
+          {"messages", number(counted.messages)},
+          {"delivered", number(counted.delivered)},
+          {"dropped", number(counted.dropped)},
+          {"out_held_bytes", number(hub.waiting_bytes())}};
 }
 
 static int probe(const std::string& url) {

@@ -53,17 +53,10 @@ std::size_t DeltaLinks::held_bytes() const {
   return bytes;
 }
 
-StreamProducer::Counters DeltaLinks::counters() {
-  StreamProducer::Counters sum;
-  for (auto& shard : shards_) {
-    const auto& one = shard.link->producer().counters();
-    sum.chunks_sent += one.chunks_sent;
-    sum.chunks_resent += one.chunks_resent;
-    sum.probes += one.probes;
-    sum.acks += one.acks;
-    sum.consumer_restarts += one.consumer_restarts;
-  }
-  return sum;
+std::vector<StreamProducer*> DeltaLinks::producers() {
+  std::vector<StreamProducer*> result;
+  for (auto& shard : shards_) result.push_back(&shard.link->producer());
+  return result;
 }
 
 }  // namespace voxatlas

@@ -33,7 +33,7 @@ class DeltaLinks {
 
   bool has_room() const { return held_bytes() < kMostBytes; }
   std::size_t held_bytes() const;
-  StreamProducer::Counters counters();  ///< Of all streams together.
+  std::vector<StreamProducer*> producers();
 
  private:
   struct Shard {

@@ -33,7 +33,7 @@ class IngestProcess {
   Result<ModelParameters> ask_for_parameters();
   Result<std::int64_t> work(std::int64_t now);
   void take_scans();
-  std::vector<std::pair<std::string, double>> counters() const;
+  StatusCounters counters() const;
 
   IngestOptions options_;
   std::unique_ptr<Bus> bus_;
@@ -86,9 +86,7 @@ Result<ModelParameters> IngestProcess::ask_for_parameters() {
     Result<model_reply_t> reply = fail(ErrorCode::kUnavailable, "");
     while (!reply) {
       if (stop_requested()) return fail(ErrorCode::kUnavailable, "stopped before it was ready");
-      if (auto sent = status_->pump(steady_utime(),
-                                    [] { return std::vector<std::pair<std::string, double>>{}; });
-          !sent)
+      if (auto sent = status_->pump(steady_utime(), [] { return StatusCounters{}; }); !sent)
         return pass_on(sent);
       reply = client.model(shard, "", 0, 400'000);
       if (!reply && reply.error().code != ErrorCode::kUnavailable) return pass_on(reply);
@@ -128,7 +126,8 @@ Result<std::int64_t> IngestProcess::work(std::int64_t now) {
   }
   if (auto pumped = scans_in_->pump(now); !pumped) return pass_on(pumped);
   if (auto sent = status_->pump(now, [this] { return counters(); }); !sent) return pass_on(sent);
-  return std::min(deltas_out_->next_poll(now), scans_in_->consumer().next_poll(now));
+  return std::min(
+      {deltas_out_->next_poll(now), scans_in_->consumer().next_poll(now), status_->next_pump()});
 }
 
 void IngestProcess::take_scans() {
@@ -155,29 +154,29 @@ void IngestProcess::take_scans() {
   }
 }
 
-std::vector<std::pair<std::string, double>> IngestProcess::counters() const {
+StatusCounters IngestProcess::counters() const {
   const auto number = [](auto value) { return static_cast<double>(value); };
   const auto& scans = service_->counters();
   const auto& plain = plain_->counters();
-  const auto streams = deltas_out_->counters();
-  return {{"scans", number(scans.scans)},
-          {"scans_refused", number(scans.refused)},
-          {"scans_unidentified", number(scans.unidentified)},
-          {"scans_acknowledged", number(scans.acknowledged)},
-          {"scans_in_flight", number(service_->in_flight())},
-          {"rays", number(scans.rays.rays)},
-          {"rays_beyond_max", number(scans.rays.beyond_max)},
-          {"rays_below_min", number(scans.rays.below_min)},
-          {"rays_not_finite", number(scans.rays.not_finite)},
-          {"rays_off_cube", number(scans.rays.off_cube)},
-          {"plain_scans", number(plain.whole)},
-          {"plain_incomplete", number(plain.incomplete)},
-          {"plain_gaps", number(plain.gaps)},
-          {"plain_dropped", number(plain_dropped_)},
-          {"held_bytes", number(deltas_out_->held_bytes())},
-          {"chunks_sent", number(streams.chunks_sent)},
-          {"chunks_resent", number(streams.chunks_resent)},
-          {"undecodable", number(bus_->counters().undecodable)}};
+  StatusCounters all{{"queue", number(reliable_waiting_.size() + plain_waiting_.size())},
+                     {"scans", number(scans.scans)},
+                     {"scans_refused", number(scans.refused)},
+                     {"scans_unidentified", number(scans.unidentified)},
+                     {"scans_acknowledged", number(scans.acknowledged)},
+                     {"scans_in_flight", number(service_->in_flight())},
+                     {"rays", number(scans.rays.rays)},
+                     {"rays_beyond_max", number(scans.rays.beyond_max)},
+                     {"rays_below_min", number(scans.rays.below_min)},
+                     {"rays_not_finite", number(scans.rays.not_finite)},
+                     {"rays_off_cube", number(scans.rays.off_cube)},
+                     {"plain_scans", number(plain.whole)},
+                     {"plain_incomplete", number(plain.incomplete)},
+                     {"plain_gaps", number(plain.gaps)},
+                     {"plain_dropped", number(plain_dropped_)}};
+  add_incoming(scans_in_->consumer(), all);
+  add_outgoing(deltas_out_->producers(), all);
+  service_->marks().add_to(all);
+  return all;
 }
 
 }  // namespace

@@ -97,6 +97,7 @@ void IngestService::committed(std::uint64_t scan, std::int32_t shard) {
   entry.committed[static_cast<std::size_t>(shard)] = true;
   if (--entry.waiting_for > 0) return;
   ++counters_.acknowledged;
+  marks_.note(entry.identity.source, entry.identity.session, entry.identity.seq);
   // Other ingests may have this source's other scans, so only an unbroken run from 0 is known here.
   const auto known = acked_below_.find({entry.identity.source, entry.identity.session});
   if (entry.identity.seq == (known == acked_below_.end() ? 0 : known->second)) {

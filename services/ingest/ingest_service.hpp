@@ -10,6 +10,7 @@
 #include "atlas/model_parameters.hpp"
 #include "bus/convert_scan.hpp"
 #include "bus/message_kind.hpp"
+#include "bus/status_counters.hpp"
 #include "bus/wire.hpp"
 #include "ingest/integration_workers.hpp"
 
@@ -75,6 +76,8 @@ class IngestService {
     IntegrationCounts rays;
   };
   const Counters& counters() const { return counters_; }
+  /// The newest scans acknowledged, by source; others may be missing where there are more ingests.
+  const SourceMarks& marks() const { return marks_; }
   int fd() const { return workers_.fd(); }  ///< Readable when finished() has something: for poll().
   std::size_t in_flight() const { return in_flight_.size(); }
 
@@ -101,6 +104,7 @@ class IngestService {
   std::map<std::pair<std::string, std::int64_t>, std::int64_t>
       acked_below_;  ///< Contiguous from seq 0, for the sources seen from their start.
   Counters counters_;
+  SourceMarks marks_;
 };
 
 }  // namespace voxatlas

@@ -56,6 +56,12 @@ Status FrameSender::pump(std::int64_t now) {
   return {};
 }
 
+std::vector<StreamProducer*> FrameSender::producers() const {
+  std::vector<StreamProducer*> result;
+  for (const auto& [port, link] : links_) result.push_back(&link.out->producer());
+  return result;
+}
+
 std::int64_t FrameSender::next_poll(std::int64_t now) const {
   std::int64_t next = std::numeric_limits<std::int64_t>::max();
   for (const auto& [port, link] : links_) {

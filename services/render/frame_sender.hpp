@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <utility>
+#include <vector>
 
 #include "base/result.hpp"
 #include "bus/bus.hpp"
@@ -32,6 +33,7 @@ class FrameSender {
   Status pump(std::int64_t now);
   std::int64_t next_poll(std::int64_t now) const;
   std::size_t links() const { return links_.size(); }
+  std::vector<StreamProducer*> producers() const;
 
  private:
   struct Link {

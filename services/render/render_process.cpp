@@ -75,8 +75,7 @@ Result<ModelParameters> RenderProcess::parameters_of(std::int32_t shard) {
   constexpr std::int64_t kOneTry = 400'000;
   status_->set_state(false, fmt::format("waiting for tilestore {}", shard));
   while (!stop_requested()) {
-    auto sent =
-        status_->pump(steady_utime(), [] { return std::vector<std::pair<std::string, double>>{}; });
+    auto sent = status_->pump(steady_utime(), [] { return StatusCounters{}; });
     if (!sent) return pass_on(sent);
     auto reply = stores_->model(shard, "", 0, kOneTry);
     if (reply) return decode_parameters(reply->parameters);
@@ -124,10 +123,13 @@ Result<std::int64_t> RenderProcess::work(std::int64_t now) {
     }
   }
   if (auto pumped = frames_->pump(now); !pumped) return pass_on(pumped);
-  if (auto sent = status_->pump(now, [this] { return service_->counters(); }); !sent) {
-    return pass_on(sent);
-  }
-  return service_->idle() ? frames_->next_poll(now) : now;
+  const auto counters = [this] {
+    StatusCounters all = service_->counters();
+    add_outgoing(frames_->producers(), all);
+    return all;
+  };
+  if (auto sent = status_->pump(now, counters); !sent) return pass_on(sent);
+  return service_->idle() ? std::min(frames_->next_poll(now), status_->next_pump()) : now;
 }
 
 }  // namespace

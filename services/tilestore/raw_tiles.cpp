@@ -76,6 +76,12 @@ Status RawTiles::give(Atlas& atlas, TileKey tile, std::size_t to, std::int64_t n
   return {};
 }
 
+std::vector<StreamProducer*> RawTiles::producers() {
+  std::vector<StreamProducer*> result;
+  for (auto& link : links_) result.push_back(&link->producer());
+  return result;
+}
+
 std::int64_t RawTiles::next_poll(std::int64_t now) {
   std::int64_t next = links_.empty() ? INT64_MAX : next_look_;
   for (auto& link : links_) next = std::min(next, link->producer().next_poll(now));

@@ -29,6 +29,7 @@ class RawTiles {
   std::int64_t next_poll(std::int64_t now);
 
   std::size_t out() const { return handout_.out(); }
+  std::vector<StreamProducer*> producers();
   std::uint64_t handed_out() const { return handed_out_; }
   std::uint64_t handed_again() const { return handed_again_; }
 

@@ -11,10 +11,10 @@
 #include "base/log.hpp"
 #include "base/utime.hpp"
 #include "bus/channels.hpp"
-#include "bus/requests.hpp"
 #include "bus/service_loop.hpp"
 #include "bus/stream_link.hpp"
 #include "store/rocksdb_store.hpp"
+#include "tilestore/question_desk.hpp"
 #include "tilestore/raw_tiles.hpp"
 #include "tilestore/tile_queries.hpp"
 #include "tilestore/tilestore_service.hpp"
@@ -57,14 +57,13 @@ class TilestoreProcess {
  private:
   Status open_model();
   Status join_bus();
-  template <class Request>
-  void answer_on(const char* request_channel, const char* reply_channel);
   Result<std::int64_t> work(std::int64_t now);
   Status take_messages();
   Status take_message(const StreamMessage& message);
   Status take_encoded(const StreamMessage& message);
   Status commit(std::int64_t now);
-  std::vector<std::pair<std::string, double>> counters() const;
+  Status publish(const tile_update_t& update);
+  StatusCounters counters() const;
 
   TilestoreOptions options_;
   MemoryPlan plan_;
@@ -73,13 +72,13 @@ class TilestoreProcess {
   std::unique_ptr<TilestoreService> service_;
   std::unique_ptr<TileQueries> queries_;
   std::unique_ptr<Bus> bus_;
-  std::unique_ptr<ReplyPorts> ports_;
+  std::unique_ptr<QuestionDesk> questions_;
   std::unique_ptr<InLink> in_;
   std::unique_ptr<RawTiles> raw_tiles_;
   std::unique_ptr<StatusPublisher> status_;
   std::deque<StreamMessage> waiting_;
   std::int64_t retry_commit_at_ = 0;
-  std::uint64_t bad_requests_ = 0;
+  std::uint64_t updates_published_ = 0;
 };
 
 Status TilestoreProcess::start() {
@@ -113,7 +112,6 @@ Status TilestoreProcess::join_bus() {
   if (!bus) return pass_on(bus);
   bus_ = std::move(*bus);
   status_ = std::make_unique<StatusPublisher>(*bus_, "tilestore", options_.shard);
-  ports_ = std::make_unique<ReplyPorts>(*bus_);
   auto endpoint = Endpoint::create(EndpointClass::kStore, options_.shard);
   if (!endpoint) return pass_on(endpoint);
   auto in = InLink::create(*bus_, *endpoint, consumer_config(plan_));
@@ -122,29 +120,8 @@ Status TilestoreProcess::join_bus() {
   auto raw_tiles = RawTiles::create(*bus_, options_.compressors);
   if (!raw_tiles) return pass_on(raw_tiles);
   raw_tiles_ = std::move(*raw_tiles);
-  answer_on<model_request_t>(kModelRequestChannel, kModelReplyChannel);
-  answer_on<tiles_request_t>(kTilesRequestChannel, kTilesReplyChannel);
-  answer_on<tile_request_t>(kTileRequestChannel, kTileReplyChannel);
+  questions_ = std::make_unique<QuestionDesk>(*bus_, *queries_, options_.shard);
   return {};
-}
-
-template <class Request>
-void TilestoreProcess::answer_on(const char* request_channel, const char* reply_channel) {
-  bus_->subscribe<Request>(request_channel, [this, reply_channel](const Request& request) {
-    if (request.shard != options_.shard || request.deadline < utime_now()) return;
-    const auto send = [&]() -> Status {
-      auto reply = queries_->answer(request);
-      if (!reply) return pass_on(reply);
-      auto port = ports_->at(request.reply_port);
-      if (!port) return pass_on(port);
-      return (*port)->publish(reply_channel, *reply);
-    };
-    if (auto sent = send(); !sent) {
-      ++bad_requests_;
-      log_warning("{} of client {} not answered: {}", Request::getTypeName(), request.client,
-                  sent.error().message);
-    }
-  });
 }
 
 Status TilestoreProcess::run() {
@@ -170,9 +147,10 @@ Result<std::int64_t> TilestoreProcess::work(std::int64_t now) {
     auto flushed = atlas_->flush_some(kTilesAtOnce);
     if (!flushed && flushed.error().code != ErrorCode::kNoSpace) return pass_on(flushed);
     if (flushed) return now;
-    return std::min(in_->consumer().next_poll(now), now + 1'000'000);
+    return std::min(in_->consumer().next_poll(now), status_->next_pump());
   }
-  return std::min(in_->consumer().next_poll(now), raw_tiles_->next_poll(now));
+  return std::min(
+      {in_->consumer().next_poll(now), raw_tiles_->next_poll(now), status_->next_pump()});
 }
 
 Status TilestoreProcess::take_messages() {
@@ -190,6 +168,7 @@ Status TilestoreProcess::take_messages() {
 Status TilestoreProcess::take_message(const StreamMessage& message) {
   if (message.kind == MessageKind::kTileEncoded) return take_encoded(message);
   if (message.kind == MessageKind::kScanDelta) {
+    questions_->delta_came(steady_utime());
     auto delta = decode_message<scan_delta_t>(message.payload);
     if (delta) {
       service_->take(*delta, message.session, message.number);
@@ -213,7 +192,16 @@ Status TilestoreProcess::take_encoded(const StreamMessage& message) {
     }
   }
   in_->consumer().commit(message.session, message.number);  // Best effort: it will be made again.
-  return update ? bus_->publish(kTileUpdateChannel, *update) : Status{};
+  return update ? publish(*update) : Status{};
+}
+
+/// Counted also where a lost hub does not take it: subscribers see by the count that they missed
+/// it.
+Status TilestoreProcess::publish(const tile_update_t& update) {
+  ++updates_published_;
+  auto sent = bus_->publish(kTileUpdateChannel, update);
+  if (!sent && sent.error().code == ErrorCode::kUnavailable) return {};
+  return sent;
 }
 
 Status TilestoreProcess::commit(std::int64_t now) {
@@ -235,38 +223,43 @@ Status TilestoreProcess::commit(std::int64_t now) {
     in_->consumer().commit(done.session, done.number);
   }
   for (const auto& update : outcome->updates) {
-    if (auto sent = bus_->publish(kTileUpdateChannel, update); !sent) return sent;
+    if (auto sent = publish(update); !sent) return sent;
   }
   return {};
 }
 
-std::vector<std::pair<std::string, double>> TilestoreProcess::counters() const {
+StatusCounters TilestoreProcess::counters() const {
   const auto number = [](auto value) { return static_cast<double>(value); };
   const auto stats = atlas_->stats();
   const auto& deltas = service_->counters();
-  return {{"epoch", number(atlas_->epoch())},
-          {"scans_applied", number(stats.scans_applied)},
-          {"deltas_applied", number(stats.deltas_applied)},
-          {"commits", number(deltas.commits)},
-          {"duplicates", number(deltas.duplicates)},
-          {"refused", number(deltas.refused)},
-          {"scans_waiting", number(service_->waiting())},
-          {"cached_tiles", number(stats.cached_tiles)},
-          {"cached_bytes", number(stats.cached_bytes)},
-          {"dirty_tiles", number(stats.dirty_tiles)},
-          {"journal_bytes", number(stats.journal_bytes)},
-          {"tiles_flushed", number(stats.tiles_flushed)},
-          {"cache_misses", number(stats.cache_misses)},
-          {"resting_tiles", number(stats.resting_tiles)},
-          {"handed_to_compress", number(raw_tiles_->handed_out())},
-          {"handed_again", number(raw_tiles_->handed_again())},
-          {"out_to_compress", number(raw_tiles_->out())},
-          {"encoded_taken", number(deltas.encoded_taken)},
-          {"encoded_lossy", number(deltas.encoded_lossy)},
-          {"encoded_stale", number(deltas.encoded_stale)},
-          {"encoded_wrong", number(deltas.encoded_wrong)},
-          {"bad_requests", number(bad_requests_)},
-          {"undecodable", number(bus_->counters().undecodable)}};
+  StatusCounters all{{"epoch", number(atlas_->epoch())},
+                     {"queue", number(waiting_.size())},
+                     {"scans_waiting", number(service_->waiting())},
+                     {"scans_applied", number(stats.scans_applied)},
+                     {"deltas_applied", number(stats.deltas_applied)},
+                     {"commits", number(deltas.commits)},
+                     {"duplicates", number(deltas.duplicates)},
+                     {"refused", number(deltas.refused)},
+                     {"cached_tiles", number(stats.cached_tiles)},
+                     {"cached_bytes", number(stats.cached_bytes)},
+                     {"dirty_tiles", number(stats.dirty_tiles)},
+                     {"journal_bytes", number(stats.journal_bytes)},
+                     {"tiles_flushed", number(stats.tiles_flushed)},
+                     {"cache_misses", number(stats.cache_misses)},
+                     {"resting_tiles", number(stats.resting_tiles)},
+                     {"handed_to_compress", number(raw_tiles_->handed_out())},
+                     {"handed_again", number(raw_tiles_->handed_again())},
+                     {"out_to_compress", number(raw_tiles_->out())},
+                     {"encoded_taken", number(deltas.encoded_taken)},
+                     {"encoded_lossy", number(deltas.encoded_lossy)},
+                     {"encoded_stale", number(deltas.encoded_stale)},
+                     {"encoded_wrong", number(deltas.encoded_wrong)},
+                     {"updates_published", number(updates_published_)}};
+  add_incoming(in_->consumer(), all);
+  add_outgoing(raw_tiles_->producers(), all);
+  questions_->add_to(all);
+  service_->marks().add_to(all);
+  return all;
 }
 
 }  // namespace

@@ -18,7 +18,9 @@ TilestoreService::TilestoreService(Atlas& atlas, std::size_t commit_bytes)
     : atlas_(atlas),
       commit_bytes_(std::min(commit_bytes, kMaxCommitBytes)),
       parameters_id_(parameters_id(atlas.parameters())) {
-  order_.start_from(atlas.marks());
+  const auto marks = atlas.marks();
+  order_.start_from(marks);
+  for (const auto& mark : marks) marks_.note(mark.source, mark.session, mark.seq);
 }
 
 bool TilestoreService::has_room() const { return ready_bytes_ < commit_bytes_; }
@@ -78,6 +80,7 @@ Result<TilestoreService::Outcome> TilestoreService::commit() {
     auto changes = atlas_.commit(ready_);
     if (!changes) return pass_on(changes);
     ++counters_.commits;
+    for (const auto& scan : ready_) marks_.note(scan.source, scan.session, scan.seq);
     ready_.clear();
     ready_bytes_ = 0;
     outcome.updates.reserve(changes->size());

@@ -10,6 +10,7 @@
 
 #include "atlas/atlas.hpp"
 #include "atlas/scan_order.hpp"
+#include "bus/status_counters.hpp"
 #include "bus/wire.hpp"
 
 namespace voxatlas {
@@ -56,6 +57,7 @@ class TilestoreService {
     std::uint64_t encoded_lossy = 0;  ///< Of those taken: a version of their own.
   };
   const Counters& counters() const { return counters_; }
+  const SourceMarks& marks() const { return marks_; }  ///< The newest scans durable, by source.
   std::size_t waiting() const { return order_.waiting() + ready_.size(); }
 
  private:
@@ -79,6 +81,7 @@ class TilestoreService {
   std::map<std::int64_t, std::deque<Pending>>
       streams_;  ///< By stream session: not yet acknowledged.
   Counters counters_;
+  SourceMarks marks_;
 };
 
 }  // namespace voxatlas

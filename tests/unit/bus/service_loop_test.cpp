@@ -49,8 +49,7 @@ TEST_CASE("a status goes out when it changes and twice a second, with its counte
   bus->subscribe<status_t>(kStatusChannel, [&](const status_t& status) { seen.push_back(status); });
   StatusPublisher publisher(*bus, "ingest", 2);
   const auto pump = [&](std::int64_t now) {
-    REQUIRE(publisher.pump(now, [] { return std::vector{std::pair(std::string("scans"), 7.0)}; })
-                .has_value());
+    REQUIRE(publisher.pump(now, [] { return StatusCounters{{"scans", 7.0}}; }).has_value());
     REQUIRE(bus->handle_waiting().has_value());
   };
   pump(1'000'000);
@@ -69,8 +68,13 @@ TEST_CASE("a status goes out when it changes and twice a second, with its counte
   CHECK(seen[2].service == "ingest");
   CHECK(seen[2].index == 2);
   CHECK(seen[2].pid == ::getpid());
-  REQUIRE(seen[2].counters.size() == 1);
+  std::vector<std::string> names;
+  for (const auto& counter : seen[2].counters) names.push_back(counter.name);
+  CHECK(names == std::vector<std::string>{"scans", "kernel_drops", "undecodable"});
   CHECK(seen[2].counters[0].value == 7.0);
+  CHECK(publisher.next_pump() == 2'100'000);
+  publisher.set_state(false, "full");
+  CHECK(publisher.next_pump() == 0);
   CHECK(seen[0].instance == seen[2].instance);
 }
 

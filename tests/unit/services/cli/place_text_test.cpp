@@ -50,5 +50,20 @@ TEST_CASE("a place that is no number is refused where it is used", "[cli]") {
   REQUIRE_FALSE(to_ecef(*place).has_value());
 }
 
+TEST_CASE("a box has its lower corner first, whichever two were given", "[cli]") {
+  const auto box = parse_box("--box", "1,20,-3,4,-5,6.5").value();
+  REQUIRE(box.min == Eigen::Vector3d(1, -5, -3));
+  REQUIRE(box.max == Eigen::Vector3d(4, 20, 6.5));
+}
+
+TEST_CASE("what is no box is refused with the option and the text", "[cli]") {
+  const std::string text = GENERATE("", "1,2,3", "1,2,3,4,5", "1,2,3,4,5,6,7", "1,2,3,4,5,nan",
+                                    "1,2,3,4,5,inf", "1,2,3 4,5,6", "a,b,c,d,e,f");
+  const auto box = parse_box("--box", text);
+  REQUIRE_FALSE(box.has_value());
+  REQUIRE(box.error().code == ErrorCode::kInvalid);
+  REQUIRE(box.error().message.find("--box " + text) != std::string::npos);
+}
+
 }  // namespace
 }  // namespace voxatlas

@@ -85,6 +85,18 @@ TEST_CASE("the hub passes on what is asked for, whatever pieces it comes in", "[
   }
 }
 
+TEST_CASE("the hub's own messages come as any other", "[hub]") {
+  auto rng = test::engine();
+  HubService hub({});
+  const auto client = join(hub, "A");
+  const auto expected = publish("A", 10, 7);
+  hub.say("A", Bytes(10, 7));
+  hub.say("B", Bytes(10, 7));
+  REQUIRE(hub.waiting_bytes() >= expected.size());
+  REQUIRE(taken(hub, client, rng) == expected);
+  REQUIRE(hub.waiting_bytes() == 0);
+}
+
 TEST_CASE("a client that asked twice for a pattern goes on until it has taken back both", "[hub]") {
   auto rng = test::engine();
   HubService hub({});
