@@ -5,6 +5,7 @@
 //   watch      frames | tiles | status, as they are published
 //   stat       what the model holds
 //   simulate   the simulated drive as files
+//   doctor     what is wrong with the bus, the services, the machine, and how to mend it
 //   store      a model at rest: verify | stat | checkpoint | compact | reshard | merge
 //
 // Every subcommand is a file of its own; this one declares their options.
@@ -18,6 +19,7 @@
 #include "bus/bus_url.hpp"
 #include "bus/lcm_log.hpp"
 #include "bus/service_loop.hpp"
+#include "cli/doctor.hpp"
 #include "cli/publish.hpp"
 #include "cli/render.hpp"
 #include "cli/simulate.hpp"
@@ -35,6 +37,7 @@ static void declare_render(CLI::App& app, Command& command);
 static void declare_watch(CLI::App& app, Command& command);
 static void declare_stat(CLI::App& app, Command& command);
 static void declare_simulate(CLI::App& app, Command& command);
+static void declare_doctor(CLI::App& app, Command& command);
 static void declare_store(CLI::App& app, Command& command);
 
 }  // namespace voxatlas
@@ -50,6 +53,7 @@ int main(int argc, char** argv) {
   voxatlas::declare_watch(app, command);
   voxatlas::declare_stat(app, command);
   voxatlas::declare_simulate(app, command);
+  voxatlas::declare_doctor(app, command);
   voxatlas::declare_store(app, command);
   CLI11_PARSE(app, argc, argv);
   voxatlas::stop_on_signals();
@@ -226,6 +230,20 @@ static void declare_simulate(CLI::App& app, Command& command) {
   sub->add_option("scans", options.scans, "how many")->required()->check(CLI::PositiveNumber);
   sub->add_option("--out", options.out, "folder to be made")->required();
   sub->add_option("--seed", options.seed, "of the city and the drive")->capture_default_str();
+}
+
+static void declare_doctor(CLI::App& app, Command& command) {
+  CLI::App* sub = nullptr;
+  auto& options = add_command<DoctorOptions>(
+      app, sub, "doctor",
+      "look at bus, services, data folder, disk and clock; say what is wrong and what mends it",
+      command, run_doctor);
+  add_url(*sub, options.url);
+  sub->add_option("--data-dir", options.data_dir, "folder of the set")->capture_default_str();
+  sub->add_option("--listen", options.listen, "seconds to hear the services")
+      ->check(CLI::Range(0.1, 60.0))
+      ->capture_default_str();
+  sub->add_flag("--json", options.json, "one JSON object a finding");
 }
 
 static void declare_store(CLI::App& app, Command& command) {
