@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -40,6 +41,22 @@ Status check_picture(const Lens& lens) {
   return {};
 }
 
+/// How far the picture reaches from the axis: of a map metres, else by metre ahead. Without a limit
+/// a tiny focal length would see half of the Earth's tiles.
+Status check_reach(const Lens& lens) {
+  const double across = std::max(std::abs(lens.cx), std::abs(lens.width - lens.cx)) / lens.fx;
+  const double down = std::max(std::abs(lens.cy), std::abs(lens.height - lens.cy)) / lens.fy;
+  const double reach = std::max(across, down);
+  if (lens.projection == Projection::kOrthographic) {
+    if (reach <= Camera::kMaxRange) return {};
+    return refuse("a map that reaches {} m from its axis reaches farther than {} m", reach,
+                  Camera::kMaxRange);
+  }
+  if (reach <= Camera::kMaxSlope) return {};
+  return refuse("a view that opens {} m from its axis a metre ahead opens more than {} m", reach,
+                Camera::kMaxSlope);
+}
+
 Status check_lens(const Lens& lens) {
   if (auto picture = check_picture(lens); !picture) return picture;
   constexpr double kMinFocal = 1e-3, kMaxFocal = 1e7;
@@ -60,7 +77,7 @@ Status check_lens(const Lens& lens) {
     return refuse("near {} m and far {} m are not {} <= near < far <= {}", lens.near_range,
                   lens.far_range, kMinNear, Camera::kMaxRange);
   }
-  return {};
+  return check_reach(lens);
 }
 
 }  // namespace
@@ -71,6 +88,17 @@ Lens Lens::of_view(double vertical_fov_deg, int width, int height) {
   lens.height = height;
   lens.fy = height / 2.0 / std::tan(vertical_fov_deg * std::numbers::pi / 360);
   lens.fx = lens.fy;
+  lens.cx = width / 2.0;
+  lens.cy = height / 2.0;
+  return lens;
+}
+
+Lens Lens::of_map(double pixels_per_metre, int width, int height) {
+  Lens lens;
+  lens.projection = Projection::kOrthographic;
+  lens.width = width;
+  lens.height = height;
+  lens.fx = lens.fy = pixels_per_metre;
   lens.cx = width / 2.0;
   lens.cy = height / 2.0;
   return lens;
@@ -110,6 +138,24 @@ Result<Camera> Camera::look_at(const Eigen::Vector3d& eye_ecef, const Eigen::Vec
   return create(eye_ecef, Eigen::Quaterniond(ecef_from_camera), lens);
 }
 
+Camera Camera::shrunk(int divisor) const {
+  Lens lens = lens_;
+  lens.width = (lens.width + divisor - 1) / divisor;
+  lens.height = (lens.height + divisor - 1) / divisor;
+  lens.fx /= divisor;
+  lens.fy /= divisor;
+  lens.cx /= divisor;
+  lens.cy /= divisor;
+  return Camera(position_, ecef_from_camera_, lens);
+}
+
+Camera Camera::shifted(double dx_pixel, double dy_pixel) const {
+  Lens lens = lens_;
+  lens.cx -= dx_pixel;
+  lens.cy -= dy_pixel;
+  return Camera(position_, ecef_from_camera_, lens);
+}
+
 std::array<Eigen::Vector3d, 8> Camera::corners_ecef() const {
   std::array<Eigen::Vector3d, 8> corners;
   const Eigen::Matrix3d ecef_from_camera = ecef_from_camera_.toRotationMatrix();
@@ -117,7 +163,7 @@ std::array<Eigen::Vector3d, 8> Camera::corners_ecef() const {
     const double z = (i & 4) != 0 ? lens_.far_range : lens_.near_range;
     const double x = (i & 1) != 0 ? lens_.width : 0;
     const double y = (i & 2) != 0 ? lens_.height : 0;
-    corners[i] = position_ + ecef_from_camera * (z * ray(x, y));
+    corners[i] = position_ + ecef_from_camera * point(x, y, z);
   }
   return corners;
 }

@@ -20,17 +20,20 @@ Eigen::Vector3d farthest_corner(const Box& box, const Eigen::Vector3d& normal) {
 Frustum::Frustum(const Camera& camera) : position_(camera.position()) {
   const Lens& lens = camera.lens();
   const Eigen::Matrix3d ecef_from_camera = camera.rotation().transpose();
-  // A side's plane holds the camera and one edge of the picture: x >= (0 - cx) / fx * z and so on.
-  const std::array<Eigen::Vector3d, 6> normals_camera = {
-      Eigen::Vector3d{1, 0, lens.cx / lens.fx},
-      Eigen::Vector3d{-1, 0, (lens.width - lens.cx) / lens.fx},
-      Eigen::Vector3d{0, 1, lens.cy / lens.fy},
-      Eigen::Vector3d{0, -1, (lens.height - lens.cy) / lens.fy},
-      Eigen::Vector3d{0, 0, 1},
-      Eigen::Vector3d{0, 0, -1}};
-  const std::array<double, 6> offsets = {0, 0, 0, 0, -lens.near_range, lens.far_range};
+  // x between these and y between those, times z where all rays meet in the camera.
+  const double left = -lens.cx / lens.fx, right = (lens.width - lens.cx) / lens.fx;
+  const double top = -lens.cy / lens.fy, bottom = (lens.height - lens.cy) / lens.fy;
+  const double per_z = camera.orthographic() ? 0 : 1, fixed = 1 - per_z;
+  const std::array<Eigen::Vector4d, 6> inside = {
+      Eigen::Vector4d{1, 0, -per_z * left, -fixed * left},
+      Eigen::Vector4d{-1, 0, per_z * right, fixed * right},
+      Eigen::Vector4d{0, 1, -per_z * top, -fixed * top},
+      Eigen::Vector4d{0, -1, per_z * bottom, fixed * bottom},
+      Eigen::Vector4d{0, 0, 1, -lens.near_range},
+      Eigen::Vector4d{0, 0, -1, lens.far_range}};
   for (std::size_t i = 0; i < planes_.size(); ++i) {
-    planes_[i] = {ecef_from_camera * normals_camera[i].normalized(), offsets[i]};
+    const Eigen::Vector4d plane = inside[i] / inside[i].head<3>().norm();
+    planes_[i] = {ecef_from_camera * plane.head<3>(), plane[3]};
   }
 }
 

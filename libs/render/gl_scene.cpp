@@ -11,43 +11,13 @@
 #include <numbers>
 #include <utility>
 
+#include "render/gl_view.hpp"
+
 namespace voxatlas {
 namespace {
 
 /// Pixels drawn around the picture, for points whose middle lies outside it.
 constexpr int kMargin = static_cast<int>(GlScene::kMaxPoint / 2) + 1;
-
-/// Camera coordinates to GL's cube, column by column: GL's y grows upwards, the camera's down.
-std::array<double, 16> projection(const Lens& lens) {
-  const double w = lens.width + 2 * kMargin;
-  const double h = lens.height + 2 * kMargin;
-  const double n = lens.near_range;
-  const double f = lens.far_range;
-  return {2 * lens.fx / w,
-          0,
-          0,
-          0,
-          0,
-          -2 * lens.fy / h,
-          0,
-          0,
-          2 * (lens.cx + kMargin) / w - 1,
-          1 - 2 * (lens.cy + kMargin) / h,
-          (f + n) / (f - n),
-          1,
-          0,
-          0,
-          -2 * f * n / (f - n),
-          0};
-}
-
-/// Half voxels from a tile's lower corner to camera coordinates.
-Eigen::Matrix4d camera_from_tile(const Camera& camera, const Grid& grid, TileKey key) {
-  Eigen::Matrix4d m = Eigen::Matrix4d::Identity();
-  m.topLeftCorner<3, 3>() = camera.rotation() * (0.5 / grid.cells_per_metre());
-  m.topRightCorner<3, 1>() = camera.to_camera(grid.min_corner(key));
-  return m;
-}
 
 /// z of the corner of a tile that lies least far ahead.
 double nearest_z(const Eigen::Matrix4d& m) {
@@ -60,14 +30,19 @@ double nearest_z(const Eigen::Matrix4d& m) {
 double cube_range(const Lens& lens, double edge) {
   const double too_large =
       GlScene::kSplatScale * edge * std::max(lens.fx, lens.fy) / GlScene::kMaxPoint;
+  if (lens.projection == Projection::kOrthographic) {
+    return too_large > 1 ? lens.far_range : lens.near_range + edge * std::numbers::sqrt3 / 2;
+  }
   return std::max(too_large, lens.near_range + edge * std::numbers::sqrt3 / 2);
 }
 
-/// GL derives a point's size from its z: size = 1 / sqrt(c z^2), held within the limits.
+/// GL derives a point's size from its z: size = 1 / sqrt(c z^2), of a map 1 / sqrt(c), held within
+/// the limits.
 void set_point_size(const Lens& lens, double edge) {
   const double at_one_metre = GlScene::kSplatScale * edge * std::max(lens.fx, lens.fy);
-  const std::array attenuation = {0.0f, 0.0f,
-                                  static_cast<float>(1 / (at_one_metre * at_one_metre))};
+  const auto by_square = static_cast<float>(1 / (at_one_metre * at_one_metre));
+  const bool map = lens.projection == Projection::kOrthographic;
+  const std::array attenuation = {map ? by_square : 0.0f, 0.0f, map ? 0.0f : by_square};
   glEnable(GL_POINT_SPRITE);  // Squares of any size; other points have whole pixels, cut down.
   glPointSize(1);
   glPointParameterfv(GL_POINT_DISTANCE_ATTENUATION, attenuation.data());
@@ -105,14 +80,6 @@ struct NearAndFar {
   }
 };
 
-/// A depth of the window in metres.
-float metres_of(std::uint32_t depth, const Lens& lens) {
-  const double n = lens.near_range;
-  const double f = lens.far_range;
-  const double window = depth / 4294967295.0 * 2 - 1;
-  return static_cast<float>(2 * f * n / (f + n - window * (f - n)));
-}
-
 /// The picture without its margin.
 CellImage cut_out(const GlContext::Pixels& pixels, const Lens& lens) {
   CellImage image;
@@ -128,7 +95,9 @@ CellImage cut_out(const GlContext::Pixels& pixels, const Lens& lens) {
       const std::size_t to = image.index(x, y);
       const std::size_t at = from + static_cast<std::size_t>(x);
       image.cell[to] = pixels.colour[at];
-      if (image.cell[to] != CellImage::kNone) image.z[to] = metres_of(pixels.depth[at], lens);
+      if (image.cell[to] != CellImage::kNone) {
+        image.z[to] = static_cast<float>(metres_of_gl_depth(pixels.depth[at] / 4294967295.0, lens));
+      }
     }
   }
   return image;
@@ -160,7 +129,7 @@ Result<CellImage> GlScene::draw(const Camera& camera, const Grid& grid,
     return pass_on(begun);
   }
   glMatrixMode(GL_PROJECTION);
-  glLoadMatrixd(projection(lens).data());
+  glLoadMatrixd(gl_projection(lens, kMargin).data());
   glMatrixMode(GL_MODELVIEW);
   glEnableClientState(GL_VERTEX_ARRAY);
   glEnableClientState(GL_COLOR_ARRAY);
@@ -174,7 +143,7 @@ Result<CellImage> GlScene::draw(const Camera& camera, const Grid& grid,
 void GlScene::draw_cloud(const Camera& camera, const Grid& grid, const PlacedCloud& placed,
                          std::uint32_t first_number) {
   const Lens& lens = camera.lens();
-  const Eigen::Matrix4d m = camera_from_tile(camera, grid, placed.key);
+  const Eigen::Matrix4d m = camera_from_tile(camera, grid, placed.key, 2);
   glLoadMatrixd(m.data());
   for (int depth = 0; depth <= kDepth; ++depth) {
     const auto cells = placed.cloud->cells_of_depth(depth);

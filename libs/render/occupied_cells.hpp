@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -8,43 +9,60 @@
 
 namespace voxatlas {
 
-/// Which cells of one depth of a tile are occupied, a bit each; coarser leaves fill all cells they
-/// cover. Beyond the tile nothing is known: there, a cell counts as not occupied.
+/// Which cells of one depth of a tile are occupied, a bit each, and of the tiles around it those
+/// within kMargin of its faces; coarser leaves fill all cells they cover. Farther off nothing is
+/// known: there, a cell counts as not occupied.
+///
+/// Places: whole cells from the tile's lower corner, -kMargin .. edge + kMargin - 1 on each axis.
 class OccupiedCells {
  public:
+  static constexpr int kMargin = 2;
+  /// A normal is made of so many cells or more.
+  static constexpr int kFewest = 5;
+
   explicit OccupiedCells(int depth);
 
-  void insert(CellKey cell);
+  /// Cells along the tile's edge.
+  int edge() const { return edge_; }
+
+  /// A cube of cells, of which some may lie farther off.
+  void insert(const Eigen::Vector3i& min, int size);
+  void insert(CellKey cell) { insert(place(cell).min, place(cell).size); }
 
   /// True where every cell that touches a face of `cell` is occupied.
   bool surround(CellKey cell) const;
 
-  /// The normal of the plane that fits the 5 x 5 x 5 cells around one best, of length 1, either
-  /// way round; zero for coarser leaves and where fewer than kFewest of those are occupied.
+  /// The normal of the plane that fits the 5 x 5 x 5 cells around one of the tile's own best, of
+  /// length 1, either way round; zero where fewer than kFewest of those are occupied.
+  Eigen::Vector3f normal(const Eigen::Vector3i& at) const;
+  /// The same; zero for coarser leaves.
   Eigen::Vector3f normal(CellKey cell) const;
-  static constexpr int kFewest = 5;
 
  private:
   struct Place {
-    Index3 min;
-    std::uint32_t size;
+    Eigen::Vector3i min;
+    int size;
   };
 
   Place place(CellKey cell) const;
-  std::size_t index(const Index3& at) const {
-    return (std::size_t{at[2]} * edge_ + at[1]) * edge_ + at[0];
+  /// The words of the row through (y, z), whose bit 0 is x = -kMargin.
+  std::size_t row(int y, int z) const {
+    return (static_cast<std::size_t>(z + kMargin) * static_cast<std::size_t>(edge_ + 2 * kMargin) +
+            static_cast<std::size_t>(y + kMargin)) *
+           words_;
   }
-  bool holds(const Index3& at) const {
-    const std::size_t i = index(at);
-    return (bits_[i / 64] >> i % 64 & 1u) != 0;
+  bool holds(const Eigen::Vector3i& at) const {
+    const auto bit = static_cast<std::size_t>(at.x() + kMargin);
+    return (bits_[row(at.y(), at.z()) + bit / 64] >> bit % 64 & 1u) != 0;
   }
   /// The square of cells beside a face: `layer` on `axis`, the cell's own extent on the others.
-  bool layer_full(const Place& cell, std::size_t axis, std::uint32_t layer) const;
+  bool layer_full(const Place& cell, int axis, int layer) const;
   /// The five cells (x - 2 .. x + 2, y, z), lowest bit first.
   unsigned row_of_five(int x, int y, int z) const;
 
   int shift_;
-  std::uint32_t edge_;
+  int edge_;
+  std::size_t words_;                // A row's.
   std::vector<std::uint64_t> bits_;  // And a word more, so that any bit can be read with 64.
 };
 

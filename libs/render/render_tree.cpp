@@ -2,99 +2,78 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
 
-#include "render/occupied_cells.hpp"
+#include "base/check.hpp"
+#include "render/tree_normals.hpp"
 
 namespace voxatlas {
-namespace {
-
-constexpr float kNormalSteps = 63;  // From the middle of an octahedron's side to its rim.
-
-/// The nearer half of the octahedron is a square; the other half is folded out around it.
-Eigen::Vector2f fold(const Eigen::Vector2f& p) {
-  const auto sign = [](float x) { return x < 0 ? -1.0f : 1.0f; };
-  return {(1 - std::abs(p.y())) * sign(p.x()), (1 - std::abs(p.x())) * sign(p.y())};
-}
-
-}  // namespace
-
-CellPaint::CellPaint(const CellState& state, const Eigen::Vector3f& normal)
-    : log_odds_(static_cast<std::uint8_t>(state.log_odds >> kLogOddsShift)) {
-  if (state.colour.exists()) {
-    rgb_ = state.colour.rgb();
-    bits_ = kColoured;
-  }
-  if (normal.isZero()) return;
-  const Eigen::Vector3f on_sides = normal / normal.cwiseAbs().sum();
-  Eigen::Vector2f p = on_sides.head<2>();
-  if (on_sides.z() < 0) p = fold(p);
-  const auto steps = [](float x) {
-    return static_cast<unsigned>(std::lround((x + 1) * kNormalSteps)) & 0x7fu;
-  };
-  bits_ = static_cast<std::uint16_t>(bits_ | kNormal | steps(p.x()) << 7 | steps(p.y()));
-}
-
-Eigen::Vector3f CellPaint::normal() const {
-  if ((bits_ & kNormal) == 0) return Eigen::Vector3f::Zero();
-  Eigen::Vector2f p(static_cast<float>(bits_ >> 7 & 0x7f), static_cast<float>(bits_ & 0x7f));
-  p = (p / kNormalSteps).array() - 1;
-  const float z = 1 - p.cwiseAbs().sum();
-  if (z < 0) p = fold(p);
-  return Eigen::Vector3f(p.x(), p.y(), z).normalized();
-}
-
-RenderTree::RenderTree(const TileTree& tree, std::uint64_t version) : version_(version) {
-  std::vector<std::uint32_t> above;  // Morton codes of the nodes of the depth above.
-  for (int depth = 0; depth <= kDepth; ++depth) {
-    begin_[static_cast<std::size_t>(depth)] = node_count();
-    std::vector<std::uint32_t> codes = add_nodes(tree, depth);
-    add_links(above, codes);
-    above.swap(codes);
+RenderTree::RenderTree(const TileTree& tree, std::uint64_t version, int max_depth)
+    : version_(version), max_depth_(max_depth) {
+  VOX_CHECK(max_depth >= 0 && max_depth <= kDepth);
+  const auto nodes = occupied_nodes(tree, max_depth);
+  std::size_t count = 0;
+  for (const auto& of_depth : nodes) count += of_depth.size();
+  paints_.reserve(count);
+  for (std::size_t depth = 0; depth < nodes.size(); ++depth) {
+    begin_[depth] = node_count();
+    for (const OccupiedNode& node : nodes[depth]) {
+      paints_.emplace_back(node.state, Eigen::Vector3f::Zero());
+    }
+    if (depth > 0 && depth <= static_cast<std::size_t>(max_depth)) {
+      add_links(nodes[depth - 1], nodes[depth]);
+    }
   }
   begin_[kDepth + 1] = node_count();
-  paints_.shrink_to_fit();
   links_.shrink_to_fit();
+  count_cells();
+  set_normals(TreesAround(*this), Normals::kAll);
 }
 
-std::vector<std::uint32_t> RenderTree::add_nodes(const TileTree& tree, int depth) {
-  OccupiedCells occupied(depth);
-  std::vector<Leaf> nodes;
-  tree.for_each_cell(depth, [&](const Leaf& leaf) {
-    if (!is_occupied(leaf.state.log_odds)) return;
-    occupied.insert(leaf.cell);
-    if (leaf.cell.depth == depth) nodes.push_back(leaf);
+RenderTree RenderTree::with_borders(const TreesAround& around) const {
+  VOX_CHECK(&around.middle() == this);
+  RenderTree tree = *this;
+  tree.set_normals(around, Normals::kAtFaces);
+  return tree;
+}
+
+void RenderTree::set_normals(const TreesAround& around, Normals which) {
+  find_normals(around, which, [this](std::uint32_t node, const Eigen::Vector3f& normal) {
+    paints_[node].set_normal(normal);
   });
-  std::vector<std::uint32_t> codes;
-  codes.reserve(nodes.size());
-  for (const Leaf& node : nodes) {
-    codes.push_back(node.cell.code);
-    paints_.emplace_back(node.state, occupied.normal(node.cell));
-  }
-  return codes;
 }
 
-void RenderTree::add_links(const std::vector<std::uint32_t>& above,
-                           const std::vector<std::uint32_t>& codes) {
-  std::uint32_t child = node_count() - static_cast<std::uint32_t>(codes.size());
+void RenderTree::add_links(std::span<const OccupiedNode> above,
+                           std::span<const OccupiedNode> nodes) {
+  const std::uint32_t child = node_count() - static_cast<std::uint32_t>(nodes.size());
   std::uint32_t node = child - static_cast<std::uint32_t>(above.size());
   std::size_t next = 0;
-  for (const std::uint32_t parent : above) {
+  for (const OccupiedNode& parent : above) {
     if (node % 8 == 0) links_.push_back({{}, child + static_cast<std::uint32_t>(next)});
     std::uint32_t octants = 0;
-    for (; next < codes.size() && codes[next] >> 3 == parent; ++next) {
-      octants |= 1u << (codes[next] & 7);
+    for (; next < nodes.size() && nodes[next].code >> 3 == parent.code; ++next) {
+      octants |= 1u << (nodes[next].code & 7);
     }
     links_.back().octants[node / 4 % 2] |= octants << node % 4 * 8;
     ++node;
   }
 }
 
-std::uint64_t RenderTree::cell_count(int depth) const {
-  const auto d = static_cast<std::size_t>(depth);
-  std::uint64_t cells = begin_[d + 1] - begin_[d];
-  for (std::uint32_t node = 0; node < begin_[d]; ++node) cells += children(node).octants == 0;
-  return cells;
+int RenderTree::depth() const { return empty() ? 0 : depth_of(node_count() - 1); }
+
+void RenderTree::count_cells() {
+  std::uint32_t leaves = 0;
+  const int deepest = depth();
+  for (int depth = 0; depth <= kDepth; ++depth) {
+    const Nodes nodes = nodes_of_depth(depth);
+    cells_[static_cast<std::size_t>(depth)] = leaves + nodes.count;
+    if (depth >= deepest) {
+      leaves += nodes.count;
+      continue;
+    }
+    for (std::uint32_t i = 0; i < nodes.count; ++i) {
+      leaves += children(nodes.first + i).octants == 0;
+    }
+  }
 }
 
 int RenderTree::depth_of(std::uint32_t node) const {
@@ -127,21 +106,6 @@ CellKey RenderTree::key_of(std::uint32_t node) const {
 std::size_t RenderTree::memory_bytes() const {
   return sizeof *this + paints_.capacity() * sizeof(CellPaint) +
          links_.capacity() * sizeof(TreeLinks);
-}
-
-TreeNumbers::TreeNumbers(std::span<const PlacedTree> trees) : trees_(trees) {
-  first_.reserve(trees.size());
-  for (const auto& placed : trees) {
-    first_.push_back(static_cast<std::uint32_t>(count_ + 1));
-    count_ += placed.tree->node_count();
-  }
-}
-
-TreeNumbers::Found TreeNumbers::find(std::uint32_t number) const {
-  // The last tree that begins at or before it; of empty ones at the same place, the last.
-  const auto after = std::upper_bound(first_.begin(), first_.end(), number);
-  const auto tree = static_cast<std::size_t>(after - first_.begin()) - 1;
-  return {tree, number - first_[tree]};
 }
 
 }  // namespace voxatlas

@@ -11,35 +11,10 @@
 #include "grid/cell_key.hpp"
 #include "grid/tile_key.hpp"
 #include "octree/tile_tree.hpp"
+#include "render/cell_paint.hpp"
+#include "render/occupied_nodes.hpp"
 
 namespace voxatlas {
-
-/// What a picture needs to know of a cell to colour it.
-///
-/// Layout: the log-odds, which are not negative, in steps of 1/32; a colour; a normal as its place
-///         on an octahedron, 7 bits a side, right to two degrees, either way round; two flags.
-class CellPaint {
- public:
-  CellPaint() = default;
-  /// `normal` of length 1, or zero for none.
-  CellPaint(const CellState& state, const Eigen::Vector3f& normal);
-
-  LogOdds log_odds() const { return static_cast<LogOdds>(log_odds_ << kLogOddsShift); }
-  bool coloured() const { return (bits_ & kColoured) != 0; }
-  Rgb rgb() const { return rgb_; }  ///< Says something only where coloured().
-  /// Of about length 1; zero where there is none.
-  Eigen::Vector3f normal() const;
-
-  static constexpr int kLogOddsShift = 7;
-
- private:
-  static constexpr std::uint16_t kColoured = 1u << 15, kNormal = 1u << 14;
-
-  std::uint8_t log_odds_ = 0;
-  Rgb rgb_;
-  std::uint16_t bits_ = 0;
-};
-static_assert(sizeof(CellPaint) == 6);
 
 /// Which children eight nodes have: a byte of octants each, the first node's lowest, and the number
 /// of the first one's first child. The others' follow without a gap: counting bits finds them.
@@ -61,6 +36,28 @@ inline TreeChildren children_of(const TreeLinks* links, std::uint32_t node) {
           eight.first_child + static_cast<std::uint32_t>(std::popcount(before))};
 }
 
+class RenderTree;
+enum class Normals;
+
+/// A tree and its 26 neighbours.
+///
+/// Ownership: borrows them.
+class TreesAround {
+ public:
+  explicit TreesAround(const RenderTree& middle) { set({0, 0, 0}, &middle); }
+
+  /// `offset`: tiles from the middle, -1..1 on each axis. nullptr: nothing is known there.
+  void set(const Eigen::Vector3i& offset, const RenderTree* tree) { trees_[index(offset)] = tree; }
+  const RenderTree* at(const Eigen::Vector3i& offset) const { return trees_[index(offset)]; }
+  const RenderTree& middle() const { return *trees_[13]; }
+
+ private:
+  static std::size_t index(const Eigen::Vector3i& offset) {
+    return static_cast<std::size_t>(13 + offset.x() + 3 * offset.y() + 9 * offset.z());
+  }
+  std::array<const RenderTree*, 27> trees_{};
+};
+
 /// The occupied cells of one tile at every depth 0..7, for drawing: made once of a version, never
 /// changed; a newer version is another tree.
 ///
@@ -68,19 +65,30 @@ inline TreeChildren children_of(const TreeLinks* links, std::uint32_t node) {
 ///          inside; an inner one has the highest log-odds and the mean colour (TileTree::cell).
 /// Layout:  node 0 is the root, then depth by depth, in Morton order. So a node's children lie side
 ///          by side, and which octants they are is all the addressing there is (TreeLinks). A leaf
-///          above depth 7 has no children; depth 7 has no links.
+///          above depth 7 has no children; the deepest nodes have no links.
+/// Normals: from the occupied cells of the tile alone; with_borders() looks across its faces, too.
 /// Threads: never changes; safe to share.
 /// Cost:    6 bytes a node, and 1.5 above depth 7: 9 to 11 bytes a drawn cell.
 class RenderTree {
  public:
   RenderTree() = default;
-  explicit RenderTree(const TileTree& tree, std::uint64_t version = 0);
+  /// A coarse tree ends at `max_depth`, 0..7: there, inner nodes are drawn as leaves are.
+  explicit RenderTree(const TileTree& tree, std::uint64_t version = 0, int max_depth = kDepth);
+
+  /// The same tree, its normals near the faces found anew with what is known of the tiles around
+  /// it. `around` has this tree in its middle. The result depends on the trees around alone, not on
+  /// what this one's normals were made of.
+  RenderTree with_borders(const TreesAround& around) const;
 
   std::uint64_t version() const { return version_; }
   bool empty() const { return paints_.empty(); }
   std::uint32_t node_count() const { return static_cast<std::uint32_t>(paints_.size()); }
+  /// Where a coarse tree was cut; else 7.
+  int max_depth() const { return max_depth_; }
+  /// The depth of its deepest nodes; 0 when empty.
+  int depth() const;
   /// How many cells there are to draw at a depth: its nodes and the leaves above it.
-  std::uint64_t cell_count(int depth) const;
+  std::uint64_t cell_count(int depth) const { return cells_[static_cast<std::size_t>(depth)]; }
 
   /// `node` is below node_count().
   const CellPaint& paint(std::uint32_t node) const { return paints_[node]; }
@@ -95,63 +103,24 @@ class RenderTree {
   }
   /// Where the node is: a search in each level above it. For tests and for pointing at cells.
   CellKey key_of(std::uint32_t node) const;
-  /// Of a node above depth 7.
+  /// Of a node above depth().
   TreeChildren children(std::uint32_t node) const { return children_of(links_.data(), node); }
   std::span<const TreeLinks> links() const { return links_; }
 
   std::size_t memory_bytes() const;
 
  private:
-  /// Adds the nodes of a depth; their Morton codes.
-  std::vector<std::uint32_t> add_nodes(const TileTree& tree, int depth);
-  /// Links the nodes of a depth, `above`, to those of the next.
-  void add_links(const std::vector<std::uint32_t>& above, const std::vector<std::uint32_t>& codes);
+  /// Links the nodes of a depth, `above`, to those of the next, which were added last.
+  void add_links(std::span<const OccupiedNode> above, std::span<const OccupiedNode> nodes);
+  void count_cells();
+  void set_normals(const TreesAround& around, Normals which);
 
   std::uint64_t version_ = 0;
+  int max_depth_ = kDepth;
   std::vector<CellPaint> paints_;
   std::vector<TreeLinks> links_;
   std::array<std::uint32_t, kDepth + 2> begin_{};  // Of each depth; then the end.
-};
-
-/// Places a tree on the grid.
-struct PlacedTree {
-  TileKey key;
-  const RenderTree* tree = nullptr;
-};
-
-/// Numbers the nodes of many trees through, from 1, in the order given: the numbers of a CellImage
-/// that a Splatter drew.
-///
-/// Ownership: borrows the trees.
-class TreeNumbers {
- public:
-  explicit TreeNumbers(std::span<const PlacedTree> trees);
-
-  struct Found {
-    std::size_t tree;    ///< Which of the trees,
-    std::uint32_t node;  ///< which of its nodes.
-  };
-  /// `number` is 1 .. count().
-  Found find(std::uint32_t number) const;
-  /// True where a number is of the same tree as what was found before.
-  bool holds(const Found& found, std::uint32_t number) const {
-    const std::uint32_t first = first_[found.tree];
-    return number >= first && number - first < trees_[found.tree].tree->node_count();
-  }
-  std::uint32_t first_of(std::size_t tree) const { return first_[tree]; }
-  std::uint64_t count() const { return count_; }
-  bool fits() const { return count_ < ~std::uint32_t{0}; }
-
-  const PlacedTree& tree(const Found& found) const { return trees_[found.tree]; }
-  const CellPaint& paint(const Found& found) const {
-    return trees_[found.tree].tree->paint(found.node);
-  }
-  int depth(const Found& found) const { return trees_[found.tree].tree->depth_of(found.node); }
-
- private:
-  std::span<const PlacedTree> trees_;
-  std::vector<std::uint32_t> first_;  // Number of each tree's root.
-  std::uint64_t count_ = 0;
+  std::array<std::uint32_t, kDepth + 1> cells_{};  // To draw at each depth.
 };
 
 }  // namespace voxatlas

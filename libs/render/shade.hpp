@@ -9,7 +9,7 @@
 #include "render/camera.hpp"
 #include "render/cell_image.hpp"
 #include "render/image.hpp"
-#include "render/render_tree.hpp"
+#include "render/tree_numbers.hpp"
 #include "render/workers.hpp"
 
 namespace voxatlas {

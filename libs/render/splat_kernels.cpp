@@ -54,6 +54,8 @@ struct Span {
   Float first, last;
 };
 
+/// `kMap`: the camera is orthographic.
+template <bool kMap>
 class StripPainter {
  public:
   StripPainter(const SplatFrame& frame, SplatStrip& strip);
@@ -61,10 +63,10 @@ class StripPainter {
   void paint(const SplatTile& tile);
 
  private:
-  hn::Mask<Floats> beside(const SplatFrame::Level& level, Float x, Float y, Float z) const;
+  hn::Mask<Floats> beside(const SplatFrame::Level& level, Float x, Float y, Float w) const;
   void visit(int depth, TreeChildren children, const Corner& corner);
   ChildRects project(int depth, const Corner& corner) const;
-  Span span(std::size_t row, const SplatFrame::Level& level, Float middle, Float per_z) const;
+  Span span(std::size_t row, const SplatFrame::Level& level, Float middle, Float per_w) const;
   void draw_cube(const Corner& corner, int edge, const PixelRect& rect, std::uint32_t number);
   std::uint64_t draw_rows(std::size_t block, std::uint64_t pixels, std::uint32_t number);
   std::uint64_t draw_pixels(std::size_t block, std::uint64_t pixels, std::uint32_t number);
@@ -72,39 +74,45 @@ class StripPainter {
   const SplatFrame& frame_;
   SplatStrip& strip_;
   const SplatTile* tile_ = nullptr;
+  std::array<float, 3> per_w_{};  // What a place is divided by: its z, or, of a map, nothing.
+  std::uint32_t backwards_ = 0;   // Of a map: the axes down which its rays go.
   std::array<float, 4> sides_{};  // Left, right, upper, lower: pixels of the picture,
   std::array<float, 4> reach_{};  // and how far a cube with half an edge of 1 reaches across.
   std::array<float, 3> low_{}, high_{};  // The faces of the cube being drawn.
 };
 
-StripPainter::StripPainter(const SplatFrame& frame, SplatStrip& strip)
+template <bool kMap>
+StripPainter<kMap>::StripPainter(const SplatFrame& frame, SplatStrip& strip)
     : frame_(frame), strip_(strip) {
   sides_ = {static_cast<float>(strip.x0), static_cast<float>(strip.x0 + strip.width), 0,
             static_cast<float>(frame.height)};
-  for (std::size_t side = 0; side < 4; ++side) {
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      reach_[side] +=
-          std::abs(frame.project[side / 2][axis] - sides_[side] * frame.project[2][axis]);
+  if (!kMap) per_w_ = frame.project[2];
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (kMap) backwards_ |= (frame.ray[axis] < 0 ? 1u : 0u) << axis;
+    for (std::size_t side = 0; side < 4; ++side) {
+      reach_[side] += std::abs(frame.project[side / 2][axis] - sides_[side] * per_w_[axis]);
     }
   }
 }
 
-void StripPainter::paint(const SplatTile& tile) {
+template <bool kMap>
+void StripPainter<kMap>::paint(const SplatTile& tile) {
   tile_ = &tile;
   visit(0, {1, 0}, tile.corner);  // As the only child of a node twice as large.
 }
 
 /// A corner at offset o from a middle m falls |o.x - u o.z| / (m.z + o.z) from u = m.x / m.z at
-/// most: with all |o| half an edge, this is the sum over the axes.
-Span StripPainter::span(std::size_t row, const SplatFrame::Level& level, Float middle,
-                        Float per_z) const {
+/// most: with all |o| half an edge, this is the sum over the axes. Of a map, o.x from u = m.x.
+template <bool kMap>
+Span StripPainter<kMap>::span(std::size_t row, const SplatFrame::Level& level, Float middle,
+                              Float per_w) const {
   const auto& p = frame_.project[row];
-  const auto& z = frame_.project[2];
-  Float reach = hn::Abs(hn::Sub(all(p[0]), hn::Mul(middle, all(z[0]))));
-  reach = hn::Add(reach, hn::Abs(hn::Sub(all(p[1]), hn::Mul(middle, all(z[1])))));
-  reach = hn::Add(reach, hn::Abs(hn::Sub(all(p[2]), hn::Mul(middle, all(z[2])))));
+  const auto& w = per_w_;
+  Float reach = hn::Abs(hn::Sub(all(p[0]), hn::Mul(middle, all(w[0]))));
+  reach = hn::Add(reach, hn::Abs(hn::Sub(all(p[1]), hn::Mul(middle, all(w[1])))));
+  reach = hn::Add(reach, hn::Abs(hn::Sub(all(p[2]), hn::Mul(middle, all(w[2])))));
   const Float pixels =
-      hn::Add(hn::Mul(hn::Mul(reach, all(level.half * 1.01f)), per_z), all(frame_.slack_pixels));
+      hn::Add(hn::Mul(hn::Mul(reach, all(level.half * 1.01f)), per_w), all(frame_.slack_pixels));
   const Float at = hn::Sub(middle, all(0.5f));
   return {hn::Ceil(hn::Sub(at, pixels)), hn::Floor(hn::Add(at, pixels))};
 }
@@ -112,20 +120,23 @@ Span StripPainter::span(std::size_t row, const SplatFrame::Level& level, Float m
 /// Cubes that lie beside the strip as a whole: behind one of the four planes through its sides and
 /// the eye. It holds for cubes around the eye's own plane, too, which fall on no pixels one could
 /// name.
-hn::Mask<Floats> StripPainter::beside(const SplatFrame::Level& level, Float x, Float y,
-                                      Float z) const {
+template <bool kMap>
+hn::Mask<Floats> StripPainter<kMap>::beside(const SplatFrame::Level& level, Float x, Float y,
+                                            Float w) const {
   // What rounding may do, as in SplatFrame, times the z that a point of the cube may have.
-  const Float slack = hn::Mul(all(frame_.slack_pixels), hn::Add(z, all(3 * level.reach_z)));
+  const float reach_w = kMap ? 0 : level.reach_z;
+  const Float slack = hn::Mul(all(frame_.slack_pixels), hn::Add(w, all(3 * reach_w)));
   const auto behind = [&](std::size_t side, Float inwards) {
     return hn::Lt(hn::Add(hn::Add(inwards, all(level.half * reach_[side])), slack), all(0));
   };
-  const auto across = hn::Or(behind(0, hn::Sub(x, hn::Mul(all(sides_[0]), z))),
-                             behind(1, hn::Sub(hn::Mul(all(sides_[1]), z), x)));
-  const auto down = hn::Or(behind(2, y), behind(3, hn::Sub(hn::Mul(all(sides_[3]), z), y)));
+  const auto across = hn::Or(behind(0, hn::Sub(x, hn::Mul(all(sides_[0]), w))),
+                             behind(1, hn::Sub(hn::Mul(all(sides_[1]), w), x)));
+  const auto down = hn::Or(behind(2, y), behind(3, hn::Sub(hn::Mul(all(sides_[3]), w), y)));
   return hn::Or(across, down);
 }
 
-ChildRects StripPainter::project(int depth, const Corner& corner) const {
+template <bool kMap>
+ChildRects StripPainter<kMap>::project(int depth, const Corner& corner) const {
   const auto& level = frame_.levels[static_cast<std::size_t>(depth)];
   std::array<float, 3> base;
   for (std::size_t row = 0; row < 3; ++row) {
@@ -143,19 +154,20 @@ ChildRects StripPainter::project(int depth, const Corner& corner) const {
     const Float farthest = hn::Add(z, all(level.reach_z));
     const auto in_range = hn::And(hn::Ge(farthest, all(frame_.near_z - frame_.slack_z)),
                                   hn::Le(nearest, all(frame_.far_z + frame_.slack_z)));
-    const auto ahead = hn::Gt(nearest, hn::Max(all(0.25f), hn::Mul(z, all(frame_.steepest))));
-    const Float per_z = hn::Div(all(1), z), per_nearest = hn::Div(all(1), nearest);
+    const Float w = kMap ? all(1) : z, nearest_w = kMap ? all(1) : nearest;
+    const auto ahead = hn::Gt(nearest_w, hn::Max(all(0.25f), hn::Mul(w, all(frame_.steepest))));
+    const Float per_w = hn::Div(all(1), w), per_nearest = hn::Div(all(1), nearest_w);
     const Float x = hn::Add(all(base[0]), hn::Load(kFloats, level.x.data() + i));
     const Float y = hn::Add(all(base[1]), hn::Load(kFloats, level.y.data() + i));
-    const Span across = span(0, level, hn::Mul(x, per_z), per_nearest);
-    const Span down = span(1, level, hn::Mul(y, per_z), per_nearest);
+    const Span across = span(0, level, hn::Mul(x, per_w), per_nearest);
+    const Span down = span(1, level, hn::Mul(y, per_w), per_nearest);
     // What is not ahead as a whole may be anywhere.
     const Float xa = hn::IfThenElse(ahead, hn::Max(hn::Sub(across.first, x0), left), left);
     const Float xb = hn::IfThenElse(ahead, hn::Min(hn::Sub(across.last, x0), right), right);
     const Float ya = hn::IfThenElse(ahead, hn::Max(down.first, left), left);
     const Float yb = hn::IfThenElse(ahead, hn::Min(down.last, bottom), bottom);
     const auto seen = hn::And(in_range, hn::And(hn::Le(xa, xb), hn::Le(ya, yb)));
-    rects.visible |= bits_of(hn::AndNot(beside(level, x, y, z), seen)) << i;
+    rects.visible |= bits_of(hn::AndNot(beside(level, x, y, w), seen)) << i;
     // Unseen lanes may hold anything: hold them within what an int takes.
     hn::Store(hn::ConvertTo(kInts, hn::Min(xa, right)), kInts, rects.xa.data() + i);
     hn::Store(hn::ConvertTo(kInts, hn::Max(xb, left)), kInts, rects.xb.data() + i);
@@ -167,14 +179,16 @@ ChildRects StripPainter::project(int depth, const Corner& corner) const {
 
 /// The children of one node, which have this depth, nearest first: whatever ray leaves the eye, it
 /// enters octants in the order of how many of the three middle planes it has crossed.
-void StripPainter::visit(int depth, TreeChildren children, const Corner& corner) {
+template <bool kMap>
+void StripPainter<kMap>::visit(int depth, TreeChildren children, const Corner& corner) {
   const ChildRects rects = project(depth, corner);
   const std::uint32_t seen = children.octants & rects.visible;
   if (seen == 0) return;
   const int edge = 1 << (kDepth - depth);
-  std::uint32_t nearest = 0;  // The octant on the eye's side of each middle plane.
-  for (std::size_t axis = 0; axis < 3; ++axis)
+  std::uint32_t nearest = backwards_;  // The octant on the eye's side of each middle plane.
+  for (std::size_t axis = 0; axis < 3 && !kMap; ++axis) {
     nearest |= (corner[axis] + edge <= 0 ? 1u : 0u) << axis;
+  }
   for (std::uint32_t step = 0; step < 8; ++step) {
     const std::uint32_t octant = step ^ nearest;
     if ((seen & 1u << octant) == 0) continue;
@@ -197,8 +211,9 @@ void StripPainter::visit(int depth, TreeChildren children, const Corner& corner)
 
 /// Exactly the pixels whose ray meets the cube. Neighbours share their faces to the bit, so no ray
 /// slips between them.
-void StripPainter::draw_cube(const Corner& corner, int edge, const PixelRect& where,
-                             std::uint32_t number) {
+template <bool kMap>
+void StripPainter<kMap>::draw_cube(const Corner& corner, int edge, const PixelRect& where,
+                                   std::uint32_t number) {
   constexpr int kLarge = 3 * Coverage::kBlock;
   const bool large = where.xb - where.xa > kLarge || where.yb - where.ya > kLarge;
   const PixelRect rect = large ? frame_.tightened(corner, edge, where, strip_.x0) : where;
@@ -221,8 +236,9 @@ void StripPainter::draw_cube(const Corner& corner, int edge, const PixelRect& wh
   }
 }
 
-std::uint64_t StripPainter::draw_rows(std::size_t block, std::uint64_t pixels,
-                                      std::uint32_t number) {
+template <bool kMap>
+std::uint64_t StripPainter<kMap>::draw_rows(std::size_t block, std::uint64_t pixels,
+                                            std::uint32_t number) {
   std::uint64_t met = 0;
   const std::size_t lanes = hn::Lanes(kFloats);
   for (int row = std::countr_zero(pixels) / 8; row * 8 < 64 - std::countl_zero(pixels); ++row) {
@@ -234,7 +250,13 @@ std::uint64_t StripPainter::draw_rows(std::size_t block, std::uint64_t pixels,
       Float in = all(frame_.near_z), out = all(frame_.far_z);
       for (std::size_t axis = 0; axis < 3; ++axis) {
         const Float inverse = hn::LoadU(kFloats, strip_.inverse[axis].data() + at);
-        const Float a = hn::Mul(all(low_[axis]), inverse), b = hn::Mul(all(high_[axis]), inverse);
+        Float low = all(low_[axis]), high = all(high_[axis]);
+        if constexpr (kMap) {
+          const Float start = hn::LoadU(kFloats, strip_.start[axis].data() + at);
+          low = hn::Sub(low, start);
+          high = hn::Sub(high, start);
+        }
+        const Float a = hn::Mul(low, inverse), b = hn::Mul(high, inverse);
         in = hn::Max(in, hn::Min(a, b));
         out = hn::Min(out, hn::Max(a, b));
       }
@@ -251,15 +273,17 @@ std::uint64_t StripPainter::draw_rows(std::size_t block, std::uint64_t pixels,
 }
 
 /// The same, one by one: cheaper where there are few.
-std::uint64_t StripPainter::draw_pixels(std::size_t block, std::uint64_t pixels,
-                                        std::uint32_t number) {
+template <bool kMap>
+std::uint64_t StripPainter<kMap>::draw_pixels(std::size_t block, std::uint64_t pixels,
+                                              std::uint32_t number) {
   std::uint64_t met = 0;
   for (; pixels != 0; pixels &= pixels - 1) {
     const std::size_t at = block * 64 + static_cast<std::size_t>(std::countr_zero(pixels));
     float in = frame_.near_z, out = frame_.far_z;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const float inverse = strip_.inverse[axis][at];
-      const float a = low_[axis] * inverse, b = high_[axis] * inverse;
+      const float start = kMap ? strip_.start[axis][at] : 0;
+      const float a = (low_[axis] - start) * inverse, b = (high_[axis] - start) * inverse;
       in = std::max(in, std::min(a, b));
       out = std::min(out, std::max(a, b));
     }
@@ -271,9 +295,14 @@ std::uint64_t StripPainter::draw_pixels(std::size_t block, std::uint64_t pixels,
   return met;
 }
 
-void splat_strip(const SplatFrame& frame, std::span<const SplatTile> tiles, SplatStrip& strip) {
-  StripPainter painter(frame, strip);
+template <bool kMap>
+void paint_all(const SplatFrame& frame, std::span<const SplatTile> tiles, SplatStrip& strip) {
+  StripPainter<kMap> painter(frame, strip);
   for (const SplatTile& tile : tiles) painter.paint(tile);
+}
+
+void splat_strip(const SplatFrame& frame, std::span<const SplatTile> tiles, SplatStrip& strip) {
+  frame.map ? paint_all<true>(frame, tiles, strip) : paint_all<false>(frame, tiles, strip);
 }
 
 }  // namespace

@@ -20,7 +20,7 @@ struct SplatFrame {
   SplatFrame(const Camera& camera, const Grid& grid);
 
   /// The children of a node of depth - 1: their middles from its lower corner, in homogeneous
-  /// pixels: pixel x is x / z.
+  /// pixels: pixel x is x / z; of a map, x is pixels already.
   struct Level {
     alignas(32) std::array<float, 8> x, y, z;
     float half;     ///< Of a cell's edge.
@@ -33,12 +33,17 @@ struct SplatFrame {
                       int x0) const;
 
   int width, height;
+  bool map;                                     ///< Orthographic.
   VoxelIndex eye;                               ///< The eye's voxel,
   std::array<float, 3> in_voxel;                ///< and where in it, 0..1.
   std::array<std::array<float, 3>, 3> project;  ///< Rows x, y, z: homogeneous pixels of a voxel.
+  std::array<float, 2> offset;                  ///< Pixels that a map's places are moved by.
   std::array<Level, kDepth + 1> levels;
-  std::array<double, 3> ray, ray_dx, ray_dy;  ///< Of pixel place (x, y): ray + x ray_dx + y ray_dy.
-  float near_z, far_z;                        ///< Voxels along the camera's axis.
+  /// Of pixel place (x, y): its ray is ray + x ray_dx + y ray_dy; a map's rays all are `ray`, and
+  /// where they start is given in the same way.
+  std::array<double, 3> ray, ray_dx, ray_dy;
+  std::array<double, 3> start, start_dx, start_dy;
+  float near_z, far_z;          ///< Voxels along the camera's axis.
   float slack_pixels, slack_z;  ///< What rounding may do to a projection; see the .cpp.
   float steepest;               ///< A cell is projected where z - reach_z is above z * steepest.
   float voxel_metres;
@@ -61,6 +66,7 @@ struct SplatStrip {
   bool cull = true;  ///< Pass over what is covered. Off only to measure what that gains.
   Coverage coverage;
   std::array<std::vector<float>, 3> inverse;  ///< 1 / the pixel's ray, by axis.
+  std::array<std::vector<float>, 3> start;    ///< Of a map: where the ray starts.
   std::vector<std::uint32_t> cell;
   std::vector<float> z;  ///< Metres.
 
@@ -68,6 +74,7 @@ struct SplatStrip {
 
  private:
   void invert_rays(const SplatFrame& frame, std::size_t axis);
+  void place_starts(const SplatFrame& frame, std::size_t axis);
 };
 
 /// Draws tiles, nearest first, into a strip. The instructions are chosen at run time (Highway);

@@ -14,7 +14,8 @@ namespace {
 constexpr int kStripWidth = 64;  // Pixels, whole blocks: a strip fits in a core's own cache.
 
 struct OrderedTile {
-  int steps;  // Tiles between it and the eye's, along the three axes together.
+  int steps;  // Faces of tiles that a ray crosses on its way to it.
+  const RenderTree* tree;
   SplatTile tile;
 };
 
@@ -22,6 +23,16 @@ struct OrderedTile {
 int depth_for(const SplatFrame& frame, const Camera& camera, const SplatTile& tile,
               const SplatOptions& options) {
   if (!(options.pixel_threshold > 0)) return options.max_depth;
+  const double focal = std::max(camera.lens().fx, camera.lens().fy);
+  const auto first_with = [&](double pixels_a_voxel) {
+    int depth = 0;
+    while (depth < options.max_depth &&
+           pixels_a_voxel * (1 << (kDepth - depth)) > options.pixel_threshold) {
+      ++depth;
+    }
+    return depth;
+  };
+  if (frame.map) return first_with(focal * static_cast<double>(frame.voxel_metres));
   const Eigen::Vector3d ahead = camera.rotation().row(2);
   double z = 0;  // Of the tile's corner nearest along the axis, voxels.
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -29,21 +40,25 @@ int depth_for(const SplatFrame& frame, const Camera& camera, const SplatTile& ti
     z += slope * (static_cast<double>(tile.corner[axis]) - frame.in_voxel[axis]) +
          std::min(0.0, slope * kTileVoxels);
   }
-  z = std::max<double>(z, frame.near_z);
-  const double focal = std::max(camera.lens().fx, camera.lens().fy);
-  int depth = 0;
-  while (depth < options.max_depth &&
-         focal * (1 << (kDepth - depth)) / z > options.pixel_threshold) {
-    ++depth;
-  }
-  return depth;
+  return first_with(focal / std::max<double>(z, frame.near_z));
 }
 
-/// Nearest first: along any ray from the eye, each face that it crosses leads one step away from
-/// the eye's tile.
-std::vector<SplatTile> tiles_to_draw(const Camera& camera, const Grid& grid,
-                                     const SplatFrame& frame, std::span<const PlacedTree> trees,
-                                     const SplatOptions& options) {
+/// How late a ray may enter a tile: along any ray from the eye, each face that it crosses leads one
+/// step away from the eye's tile; a map's rays cross all in the same direction.
+int steps_to(const SplatFrame& frame, const VoxelIndex& corner) {
+  int steps = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const int away = (corner[axis] >> kDepth) - (frame.eye[axis] >> kDepth);
+    const double ray = frame.ray[static_cast<std::size_t>(axis)];
+    steps += frame.map ? (ray < 0 ? -away : away) : std::abs(away);
+  }
+  return steps;
+}
+
+/// Nearest first.
+std::vector<OrderedTile> tiles_to_draw(const Camera& camera, const Grid& grid,
+                                       const SplatFrame& frame, std::span<const PlacedTree> trees,
+                                       const SplatOptions& options) {
   const TreeNumbers numbers(trees);
   const Frustum frustum(camera);
   std::vector<OrderedTile> seen;
@@ -51,22 +66,19 @@ std::vector<SplatTile> tiles_to_draw(const Camera& camera, const Grid& grid,
     const PlacedTree& placed = trees[i];
     if (placed.tree->empty() || !frustum.may_see(grid.box(placed.key))) continue;
     const VoxelIndex corner = Grid::min_voxel(placed.key);
-    OrderedTile ordered{0, {}};
+    OrderedTile ordered{steps_to(frame, corner), placed.tree, {}};
     for (int axis = 0; axis < 3; ++axis) {
-      ordered.steps += std::abs((corner[axis] >> kDepth) - (frame.eye[axis] >> kDepth));
       ordered.tile.corner[static_cast<std::size_t>(axis)] = corner[axis] - frame.eye[axis];
     }
     ordered.tile.links = placed.tree->links().data();
     ordered.tile.first_number = numbers.first_of(i);
-    ordered.tile.depth = depth_for(frame, camera, ordered.tile, options);
+    ordered.tile.depth =
+        std::min(placed.tree->depth(), depth_for(frame, camera, ordered.tile, options));
     seen.push_back(ordered);
   }
   std::sort(seen.begin(), seen.end(),
             [](const OrderedTile& a, const OrderedTile& b) { return a.steps < b.steps; });
-  std::vector<SplatTile> tiles;
-  tiles.reserve(seen.size());
-  for (const auto& ordered : seen) tiles.push_back(ordered.tile);
-  return tiles;
+  return seen;
 }
 
 /// A strip's blocks as rows of the picture.
@@ -112,7 +124,14 @@ Status Splatter::draw(const Camera& camera, const Grid& grid, std::span<const Pl
                       const SplatOptions& options, CellImage& image) {
   if (auto good = check(options, trees); !good) return good;
   const SplatFrame frame(camera, grid);
-  const auto tiles = tiles_to_draw(camera, grid, frame, trees, options);
+  std::vector<SplatTile> tiles;
+  drawn_ = {};
+  for (const OrderedTile& seen : tiles_to_draw(camera, grid, frame, trees, options)) {
+    tiles.push_back(seen.tile);
+    drawn_.depth = std::max(drawn_.depth, seen.tile.depth);
+    drawn_.cells += seen.tree->cell_count(seen.tile.depth);
+  }
+  drawn_.tiles = tiles.size();
   image.width = camera.width();
   image.height = camera.height();
   const std::size_t count = image.index(0, image.height);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -7,8 +8,8 @@
 #include "grid/grid.hpp"
 #include "render/camera.hpp"
 #include "render/cell_image.hpp"
-#include "render/render_tree.hpp"
 #include "render/splat_kernels.hpp"
+#include "render/tree_numbers.hpp"
 #include "render/workers.hpp"
 
 namespace voxatlas {
@@ -39,9 +40,18 @@ class Splatter {
   Status draw(const Camera& camera, const Grid& grid, std::span<const PlacedTree> trees,
               const SplatOptions& options, CellImage& image);
 
+  /// What the last draw() drew.
+  struct Drawn {
+    int depth = 0;            ///< The deepest at which a tile was drawn.
+    std::size_t tiles = 0;    ///< In view and not empty.
+    std::uint64_t cells = 0;  ///< That these have, at the depths drawn.
+  };
+  const Drawn& drawn() const { return drawn_; }
+
   Workers& workers() { return workers_; }  ///< For the stages that follow, between draws.
 
  private:
+  Drawn drawn_;
   Workers workers_;
   std::vector<SplatStrip> strips_;  // One a worker.
 };

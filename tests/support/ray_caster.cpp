@@ -12,6 +12,12 @@ RayCaster::View::View(const Camera& camera, const Grid& grid)
       near_z(camera.lens().near_range * grid.cells_per_metre()),
       far_z(camera.lens().far_range * grid.cells_per_metre()) {
   const Eigen::Matrix3d grid_from_camera = camera.rotation().transpose();
+  const auto start = [&](double x, double y) -> Eigen::Vector3d {
+    return grid_from_camera * camera.point(x, y, 0) * grid.cells_per_metre();
+  };
+  start_x = start(1, 0) - start(0, 0);
+  start_y = start(0, 1) - start(0, 0);
+  eye += start(0, 0);
   ray_0 = grid_from_camera * camera.ray(0, 0);
   ray_x = grid_from_camera * (camera.ray(1, 0) - camera.ray(0, 0));
   ray_y = grid_from_camera * (camera.ray(0, 1) - camera.ray(0, 0));
@@ -52,12 +58,12 @@ RayCaster::RayCaster(const Grid& grid, const std::map<TileKey, TileTree>& tiles,
 }
 
 std::optional<RayCaster::Sight> RayCaster::cast(const View& view, double x, double y) const {
-  const Eigen::Vector3d ray = view.ray(x, y);
+  const Eigen::Vector3d ray = view.ray(x, y), eye = view.start(x, y);
   // Into the box, which the ray may enter late, and up to where it leaves it or ends.
   double z = view.near_z, end = view.far_z;
   for (int axis = 0; axis < 3; ++axis) {
-    const double a = (min_[axis] - view.eye[axis]) / ray[axis];
-    const double b = (min_[axis] + size_[axis] - view.eye[axis]) / ray[axis];
+    const double a = (min_[axis] - eye[axis]) / ray[axis];
+    const double b = (min_[axis] + size_[axis] - eye[axis]) / ray[axis];
     z = std::max(z, std::min(a, b));
     end = std::min(end, std::max(a, b));
   }
@@ -69,12 +75,11 @@ std::optional<RayCaster::Sight> RayCaster::cast(const View& view, double x, doub
   const Eigen::Vector3d inverse = ray.cwiseInverse();
   for (int axis = 0; axis < 3; ++axis) {
     step[axis] = ray[axis] < 0 ? -1 : 1;
-    const int in_box =
-        std::clamp(static_cast<int>(std::floor(view.eye[axis] + z * ray[axis])) - min_[axis], 0,
-                   size_[axis] - 1);
+    const int in_box = std::clamp(
+        static_cast<int>(std::floor(eye[axis] + z * ray[axis])) - min_[axis], 0, size_[axis] - 1);
     at[axis] = min_[axis] + in_box;
     left[axis] = step[axis] > 0 ? size_[axis] - 1 - in_box : in_box;
-    next[axis] = (at[axis] + (step[axis] > 0 ? 1 : 0) - view.eye[axis]) * inverse[axis];
+    next[axis] = (at[axis] + (step[axis] > 0 ? 1 : 0) - eye[axis]) * inverse[axis];
     stride[static_cast<std::size_t>(axis)] *= step[axis];
   }
   const std::uint8_t* depth = depths_.data() + index(at);
@@ -85,7 +90,7 @@ std::optional<RayCaster::Sight> RayCaster::cast(const View& view, double x, doub
     if (z > end || left[axis]-- == 0) return std::nullopt;
     at[axis] += step[axis];
     depth += stride[static_cast<std::size_t>(axis)];
-    next[axis] = (at[axis] + (step[axis] > 0 ? 1 : 0) - view.eye[axis]) * inverse[axis];
+    next[axis] = (at[axis] + (step[axis] > 0 ? 1 : 0) - eye[axis]) * inverse[axis];
   }
   return Sight{grid_.tile_of(at), CellKey::of_voxel(Grid::in_tile(at), *depth),
                z / grid_.cells_per_metre()};
@@ -114,14 +119,14 @@ static double distance_to_edge(const Eigen::Vector3d& d, const Eigen::Vector3d& 
 
 double RayCaster::edge_distance(const View& view, double x, double y, TileKey tile,
                                 CellKey cell) const {
-  const Eigen::Vector3d ray = view.ray(x, y);
+  const Eigen::Vector3d ray = view.ray(x, y), eye = view.start(x, y);
   const Index3 min = cell.min_voxel();
   const double length = cell.edge_voxels();
   const Eigen::Vector3d corner =
       (Grid::min_voxel(tile) +
        VoxelIndex(static_cast<int>(min[0]), static_cast<int>(min[1]), static_cast<int>(min[2])))
           .cast<double>() -
-      view.eye;
+      eye;
   double nearest = std::numeric_limits<double>::infinity();
   for (int axis = 0; axis < 3; ++axis) {
     for (int side = 0; side < 4; ++side) {

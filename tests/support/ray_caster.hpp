@@ -33,8 +33,11 @@ class RayCaster {
     View(const Camera& camera, const Grid& grid);
     /// Voxels along each axis for a voxel along the camera's axis, at a place of the picture.
     Eigen::Vector3d ray(double x, double y) const { return ray_0 + x * ray_x + y * ray_y; }
+    /// Where that ray has z = 0: the eye, but for orthographic cameras; voxels.
+    Eigen::Vector3d start(double x, double y) const { return eye + x * start_x + y * start_y; }
 
-    Eigen::Vector3d eye;  ///< Voxels, as Grid::to_voxels.
+    Eigen::Vector3d eye;  ///< Of place (0, 0); voxels, as Grid::to_voxels.
+    Eigen::Vector3d start_x, start_y;
     Eigen::Vector3d ray_0, ray_x, ray_y;
     double near_z, far_z;  ///< Voxels.
   };

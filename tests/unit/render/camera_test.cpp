@@ -79,6 +79,53 @@ TEST_CASE("a camera's bounds hold everything it sees", "[camera][oracle]") {
   }
 }
 
+TEST_CASE("an orthographic camera projects along its axis, to scale", "[camera][oracle]") {
+  auto rng = test::engine();
+  INFO("VOX_SEED=" << test::seed());
+  std::uniform_real_distribution<double> side(-30, 30);
+  for (int i = 0; i < 500; ++i) {
+    const Eigen::Vector3d sight = random_direction(rng), up = up_at(kMunich);
+    const auto camera =
+        Camera::look_at(kMunich, kMunich + 20 * sight, up, Lens::of_map(8, 640, 480)).value();
+    const Eigen::Vector3d right = sight.cross(up).normalized(), down = sight.cross(right);
+    const double x = side(rng), y = side(rng), z = side(rng);
+    const Eigen::Vector3d p = kMunich + x * right + y * down + z * sight;
+
+    const Eigen::Vector3d p_camera = camera.to_camera(p);
+    const Eigen::Vector2d pixel = camera.to_pixel(p_camera);
+
+    REQUIRE(pixel.x() == Approx(320 + 8 * x).margin(1e-5));
+    REQUIRE(pixel.y() == Approx(240 + 8 * y).margin(1e-5));
+    REQUIRE((camera.point(pixel.x(), pixel.y(), z) - p_camera).norm() < 1e-6);
+    REQUIRE(camera.ray(pixel.x(), pixel.y()) == Eigen::Vector3d(0, 0, 1));
+  }
+}
+
+TEST_CASE("a shrunk camera sees the same on fewer pixels, a shifted one beside them", "[camera]") {
+  for (const Lens& lens : {Lens::of_view(60, 641, 480), Lens::of_map(7, 641, 480)}) {
+    const auto camera =
+        Camera::look_at(kMunich, kMunich + Eigen::Vector3d(3, 4, 5), up_at(kMunich), lens).value();
+    const Camera small = camera.shrunk(4), beside = camera.shifted(0.25, -0.5);
+    REQUIRE(small.width() == 161);
+    REQUIRE(small.height() == 120);
+    REQUIRE((small.point(100, 50, 9) - camera.point(400, 200, 9)).norm() < 1e-9);
+    REQUIRE((beside.point(100, 50, 9) - camera.point(100.25, 49.5, 9)).norm() < 1e-9);
+    REQUIRE(beside.position() == camera.position());
+  }
+}
+
+TEST_CASE("no camera that is let through sees more than 20 km", "[camera]") {
+  Lens lens = Lens::of_view(60, 640, 480);
+  lens.far_range = Camera::kMaxRange;
+  lens.fx = 320 / Camera::kMaxSlope;
+  lens.fy = 240 / Camera::kMaxSlope;
+  const auto widest =
+      Camera::look_at(kMunich, kMunich + Eigen::Vector3d(3, 4, 5), up_at(kMunich), lens);
+  REQUIRE(widest.has_value());
+  const Box box = widest->bounds();
+  REQUIRE((box.max - box.min).maxCoeff() < 10 * Camera::kMaxRange * 1.5);
+}
+
 TEST_CASE("degenerate cameras are refused, with the value", "[camera]") {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double inf = std::numeric_limits<double>::infinity();
@@ -111,6 +158,14 @@ TEST_CASE("degenerate cameras are refused, with the value", "[camera]") {
   bad_lens([&](Lens& l) { l.fx = nan; }, "nan");
   bad_lens([](Lens& l) { l.fy = 0; }, "focal length of 0");
   bad_lens([&](Lens& l) { l.cx = inf; }, "principal point");
+  bad_lens([](Lens& l) { l.fx = 0.01; }, "a view that opens 32000 m");
+  bad_lens([](Lens& l) { l.cy = -8000; }, "a view that opens 20.39");
+  bad_lens(
+      [](Lens& l) {
+        l.projection = Projection::kOrthographic;
+        l.fx = 0.1;
+      },
+      "a map that reaches 3200 m");
   bad_lens([](Lens& l) { l.near_range = 0; }, "near 0");
   bad_lens([](Lens& l) { l.near_range = -1; }, "near -1");
   bad_lens([](Lens& l) { l.far_range = 0.1; }, "far 0.1");

@@ -1,5 +1,6 @@
 #include "render/frustum.hpp"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <random>
 
@@ -13,8 +14,10 @@ const Eigen::Vector3d kMunich = to_ecef({48.1493, 11.5685, 560}).value();
 
 Camera random_camera(std::mt19937_64& rng) {
   std::normal_distribution<double> normal;
-  Lens lens = Lens::of_view(std::uniform_real_distribution<double>(20, 110)(rng), 320, 200);
-  lens.cx += normal(rng) * 60;  // A principal point off the middle, too.
+  std::uniform_real_distribution<double> fov(20, 110), scale(2, 20);
+  Lens lens =
+      rng() % 3 == 0 ? Lens::of_map(scale(rng), 320, 200) : Lens::of_view(fov(rng), 320, 200);
+  lens.cx += std::clamp(normal(rng) * 60, -180.0, 180.0);  // Off the middle, too.
   lens.far_range = std::uniform_real_distribution<double>(5, 300)(rng);
   const Eigen::Quaterniond q(normal(rng), normal(rng), normal(rng), normal(rng));
   return Camera::create(kMunich, q.normalized(), lens).value();

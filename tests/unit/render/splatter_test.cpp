@@ -6,6 +6,7 @@
 #include <cmath>
 #include <random>
 
+#include "forest.hpp"
 #include "scene.hpp"
 #include "support/engine.hpp"
 #include "support/ray_caster.hpp"
@@ -15,28 +16,6 @@ namespace {
 
 constexpr double kDepthTolerance = 1e-3;
 constexpr double kEdgeTolerance = 1e-4;
-
-/// Trees of all tiles of a model, and the cell of each of their nodes.
-class Forest {
- public:
-  explicit Forest(const std::map<TileKey, TileTree>& tiles) {
-    trees_.reserve(tiles.size());  // Trees must not move: placed_ points at them.
-    for (const auto& [key, tile] : tiles) {
-      const RenderTree& tree = trees_.emplace_back(tile);
-      placed_.push_back({key, &tree});
-      for (std::uint32_t node = 0; node < tree.node_count(); ++node) {
-        cells_.emplace_back(key, tree.key_of(node));
-      }
-    }
-  }
-  const std::vector<PlacedTree>& placed() const { return placed_; }
-  const std::pair<TileKey, CellKey>& cell(std::uint32_t number) const { return cells_[number - 1]; }
-
- private:
-  std::vector<RenderTree> trees_;
-  std::vector<PlacedTree> placed_;
-  std::vector<std::pair<TileKey, CellKey>> cells_;
-};
 
 /// Eight tiles around a corner of the grid: ground and walls that are tilted in it, single voxels,
 /// cells of all sizes, free space, all across the borders between the tiles.
@@ -85,10 +64,13 @@ std::map<TileKey, TileTree> mixed_scene(std::mt19937_64& rng) {
 
 /// Anywhere in and around the scene, half of them on borders of cells or tiles, some along an axis.
 Camera random_camera(std::mt19937_64& rng, const Grid& grid, const VoxelIndex& middle, int width,
-                     int height) {
+                     int height, bool orthographic = false) {
   std::uniform_real_distribution<double> unit(0, 1), offset(-16, 16), turn(-1, 1);
-  Lens lens = Lens::of_view(20 + 90 * unit(rng), width, height);
+  Lens lens = orthographic ? Lens::of_map(std::pow(10, 0.5 + 2 * unit(rng)), width, height)
+                           : Lens::of_view(20 + 90 * unit(rng), width, height);
   lens.near_range = unit(rng) < 0.5 ? 0.3 : std::pow(10, -3 + 3 * unit(rng));
+  // Were a map's near plane a face of cells, all of its pixels would be at an edge.
+  if (orthographic) lens.near_range += 0.01 + 0.03 * unit(rng);
   lens.far_range = unit(rng) < 0.8 ? 200 : lens.near_range + 12 * unit(rng) + 0.01;
   Eigen::Vector3d eye =
       grid.min_corner(middle) + Eigen::Vector3d(offset(rng), offset(rng), offset(rng));
@@ -111,7 +93,8 @@ struct Tally {
 /// True where some ray right beside this one shows just what the picture says.
 bool shown_beside(const test::RayCaster& caster, const test::RayCaster::View& view, double x,
                   double y, const std::optional<test::RayCaster::Sight>& seen, double near_z) {
-  const double step = 3 * kEdgeTolerance / near_z / view.ray_x.norm();
+  const double pixel = near_z * view.ray_x.norm() + view.start_x.norm() / 10;  // Metres there.
+  const double step = 3 * kEdgeTolerance / pixel;
   for (int i = 0; i < 16; ++i) {
     const double angle = i * 0.3927;
     const auto beside = caster.cast(view, x + step * std::cos(angle), y + step * std::sin(angle));
@@ -121,7 +104,7 @@ bool shown_beside(const test::RayCaster& caster, const test::RayCaster::View& vi
   return false;
 }
 
-void compare(const CellImage& image, const Forest& forest, const test::RayCaster& caster,
+void compare(const CellImage& image, const test::Forest& forest, const test::RayCaster& caster,
              const Camera& camera, const Grid& grid, Tally& tally) {
   const test::RayCaster::View view(camera, grid);
   for (int y = 0; y < image.height; ++y) {
@@ -178,9 +161,14 @@ TEST_CASE("each pixel shows the cell and the depth that a ray finds", "[splat][o
   const auto tiles = mixed_scene(rng);
   const VoxelIndex middle = Grid::min_voxel(tiles.rbegin()->first);
   REQUIRE(tiles.size() == 8);
-  const Forest forest(tiles);
-  const auto [depth, count] =
-      GENERATE(table<int, int>({{7, 1000}, {6, 20}, {5, 20}, {3, 20}, {0, 20}}));
+  const test::Forest forest(tiles);
+  const auto [depth, count, orthographic] = GENERATE(table<int, int, bool>({{7, 1000, false},
+                                                                            {6, 20, false},
+                                                                            {5, 20, false},
+                                                                            {3, 20, false},
+                                                                            {0, 20, false},
+                                                                            {7, 200, true},
+                                                                            {4, 20, true}}));
   const test::RayCaster caster(grid, tiles, depth);
   Splatter splatter(2);
   SplatOptions options;
@@ -188,11 +176,35 @@ TEST_CASE("each pixel shows the cell and the depth that a ray finds", "[splat][o
   Tally tally;
   CellImage image;
   for (int i = 0; i < cameras(count); ++i) {
-    const Camera camera = random_camera(rng, grid, middle, 160, 120);
+    const Camera camera = random_camera(rng, grid, middle, 160, 120, orthographic);
     REQUIRE(splatter.draw(camera, grid, forest.placed(), options, image).has_value());
     compare(image, forest, caster, camera, grid, tally);
   }
-  CAPTURE(depth, tally.pixels, tally.shown, tally.at_edges, tally.wrong, tally.holes);
+  CAPTURE(depth, orthographic, tally.pixels, tally.shown, tally.at_edges, tally.wrong, tally.holes);
+  CHECK(tally.wrong == 0);
+  CHECK(tally.holes == 0);
+  CHECK(tally.at_edges * 10'000 < tally.pixels);
+  CHECK(tally.shown > tally.pixels / 4);
+}
+
+TEST_CASE("ten large pictures show what rays find, pixel by pixel", "[.long][splat][oracle]") {
+  auto rng = test::engine();
+  INFO("VOX_SEED=" << test::seed());
+  const Grid grid = Grid::standard();
+  const auto tiles = mixed_scene(rng);
+  const VoxelIndex middle = Grid::min_voxel(tiles.rbegin()->first);
+  const test::Forest forest(tiles);
+  const test::RayCaster caster(grid, tiles, kDepth);
+  Splatter splatter(2);
+  Tally tally;
+  CellImage image;
+  for (int i = 0; i < 10; ++i) {
+    const Camera camera = random_camera(rng, grid, middle, 1280, 720, i % 5 == 4);
+    REQUIRE(splatter.draw(camera, grid, forest.placed(), {}, image).has_value());
+    compare(image, forest, caster, camera, grid, tally);
+  }
+  CAPTURE(tally.pixels, tally.shown, tally.at_edges, tally.wrong, tally.holes);
+  CHECK(tally.pixels == 10 * 1280 * 720);
   CHECK(tally.wrong == 0);
   CHECK(tally.holes == 0);
   CHECK(tally.at_edges * 10'000 < tally.pixels);
@@ -205,14 +217,14 @@ TEST_CASE("instructions, threads, culling and the trees' order change no pixel",
   const Grid grid = Grid::standard();
   const auto tiles = mixed_scene(rng);
   const VoxelIndex middle = Grid::min_voxel(tiles.rbegin()->first);
-  const Forest forest(tiles);
+  const test::Forest forest(tiles);
   std::vector<PlacedTree> reversed(forest.placed().rbegin(), forest.placed().rend());
   const TreeNumbers numbers(forest.placed()), reversed_numbers(reversed);
   Splatter alone(1), many(5);
   const std::int64_t all_targets = hwy::SupportedTargets();
   int targets = 0;
   for (int i = 0; i < cameras(40); ++i) {
-    const Camera camera = random_camera(rng, grid, middle, 203, 117);
+    const Camera camera = random_camera(rng, grid, middle, 203, 117, i % 4 == 3);
     CellImage expected, image;
     REQUIRE(alone.draw(camera, grid, forest.placed(), {}, expected).has_value());
     for (std::int64_t left = all_targets; left != 0; left &= left - 1) {
@@ -245,7 +257,7 @@ TEST_CASE("a threshold of pixels draws far tiles with larger cells", "[splat]") 
   const Grid grid = Grid::standard();
   const auto tiles = mixed_scene(rng);
   const VoxelIndex middle = Grid::min_voxel(tiles.rbegin()->first);
-  const Forest forest(tiles);
+  const test::Forest forest(tiles);
   const TreeNumbers numbers(forest.placed());
   Splatter splatter(1);
   const Eigen::Vector3d target = grid.min_corner(middle);

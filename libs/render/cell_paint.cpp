@@ -1,0 +1,48 @@
+#include "render/cell_paint.hpp"
+
+#include <cmath>
+
+namespace voxatlas {
+namespace {
+
+constexpr float kNormalSteps = 63;  // From the middle of an octahedron's side to its rim.
+
+/// The nearer half of the octahedron is a square; the other half is folded out around it.
+Eigen::Vector2f fold(const Eigen::Vector2f& p) {
+  const auto sign = [](float x) { return x < 0 ? -1.0f : 1.0f; };
+  return {(1 - std::abs(p.y())) * sign(p.x()), (1 - std::abs(p.x())) * sign(p.y())};
+}
+
+}  // namespace
+
+CellPaint::CellPaint(const CellState& state, const Eigen::Vector3f& normal)
+    : log_odds_(static_cast<std::uint8_t>(state.log_odds >> kLogOddsShift)) {
+  if (state.colour.exists()) {
+    rgb_ = state.colour.rgb();
+    bits_ = kColoured;
+  }
+  set_normal(normal);
+}
+
+void CellPaint::set_normal(const Eigen::Vector3f& normal) {
+  bits_ &= kColoured;
+  if (normal.isZero()) return;
+  const Eigen::Vector3f on_sides = normal / normal.cwiseAbs().sum();
+  Eigen::Vector2f p = on_sides.head<2>();
+  if (on_sides.z() < 0) p = fold(p);
+  const auto steps = [](float x) {
+    return static_cast<unsigned>(std::lround((x + 1) * kNormalSteps)) & 0x7fu;
+  };
+  bits_ = static_cast<std::uint16_t>(bits_ | kNormal | steps(p.x()) << 7 | steps(p.y()));
+}
+
+Eigen::Vector3f CellPaint::normal() const {
+  if ((bits_ & kNormal) == 0) return Eigen::Vector3f::Zero();
+  Eigen::Vector2f p(static_cast<float>(bits_ >> 7 & 0x7f), static_cast<float>(bits_ & 0x7f));
+  p = (p / kNormalSteps).array() - 1;
+  const float z = 1 - p.cwiseAbs().sum();
+  if (z < 0) p = fold(p);
+  return Eigen::Vector3f(p.x(), p.y(), z).normalized();
+}
+
+}  // namespace voxatlas

@@ -1,0 +1,62 @@
+#include "render/tree_normals.hpp"
+
+#include <vector>
+
+#include "render/occupied_cells.hpp"
+#include "render/tree_walk.hpp"
+
+namespace voxatlas {
+namespace {
+
+constexpr int kMargin = OccupiedCells::kMargin;
+
+bool near_the_tile(const WalkedNode& node) {
+  return (node.at.array() >= -kMargin).all() &&
+         (node.at.array() < (1 << node.depth) + kMargin).all();
+}
+
+/// The occupied cells of each depth down to that of the tree in the middle. What lies below the
+/// nodes at which a coarse tree is cut is not known: they are no leaves.
+std::vector<OccupiedCells> occupied_around(const TreesAround& around) {
+  const int deepest = around.middle().depth();
+  std::vector<OccupiedCells> cells;
+  for (int depth = 0; depth <= deepest; ++depth) cells.emplace_back(depth);
+  const auto insert = [&](const RenderTree& tree, const WalkedNode& node) {
+    cells[static_cast<std::size_t>(node.depth)].insert(node.at, 1);
+    if (node.children.octants != 0 || node.depth == tree.max_depth()) return;
+    for (int below = node.depth + 1; below <= deepest; ++below) {
+      const int size = 1 << (below - node.depth);
+      cells[static_cast<std::size_t>(below)].insert(node.at * size, size);
+    }
+  };
+  for (int i = 0; i < 27; ++i) {
+    const Eigen::Vector3i offset(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
+    const RenderTree* tree = around.at(offset);
+    if (tree == nullptr) continue;
+    walk_tree(*tree, offset, [&](const WalkedNode& node) {
+      if (node.depth > deepest || !near_the_tile(node)) return false;
+      insert(*tree, node);
+      return true;
+    });
+  }
+  return cells;
+}
+
+bool near_a_face(const Eigen::Vector3i& at, int depth) {
+  return (at.array() < kMargin).any() || (at.array() >= (1 << depth) - kMargin).any();
+}
+
+}  // namespace
+
+void find_normals(const TreesAround& around, Normals which,
+                  const std::function<void(std::uint32_t, const Eigen::Vector3f&)>& set) {
+  const auto cells = occupied_around(around);
+  walk_tree(around.middle(), Eigen::Vector3i::Zero(), [&](const WalkedNode& node) {
+    if (which == Normals::kAll || near_a_face(node.at, node.depth)) {
+      set(node.node, cells[static_cast<std::size_t>(node.depth)].normal(node.at));
+    }
+    return true;
+  });
+}
+
+}  // namespace voxatlas
