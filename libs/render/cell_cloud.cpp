@@ -45,6 +45,12 @@ CellCloud::CellCloud(const TileTree& tree, int depth) {
                    [](const Leaf& a, const Leaf& b) { return a.cell.depth < b.cell.depth; });
   cells_.reserve(leaves.size());
   for (const Leaf& leaf : leaves) cells_.push_back(drawn(leaf, occupied));
+  find_depths();
+}
+
+CellCloud::CellCloud(std::vector<DrawnCell> cells) : cells_(std::move(cells)) { find_depths(); }
+
+void CellCloud::find_depths() {
   for (std::size_t d = 0; d < begin_.size(); ++d) {
     const auto first =
         std::lower_bound(cells_.begin(), cells_.end(), d,

@@ -44,6 +44,8 @@ class CellCloud {
  public:
   CellCloud() = default;
   CellCloud(const TileTree& tree, int depth);
+  /// Of cells in order of depth.
+  explicit CellCloud(std::vector<DrawnCell> cells);
 
   std::span<const DrawnCell> cells() const { return cells_; }
   /// Those of one size.
@@ -51,6 +53,8 @@ class CellCloud {
   std::size_t memory_bytes() const { return sizeof *this + cells_.capacity() * sizeof(DrawnCell); }
 
  private:
+  void find_depths();
+
   std::vector<DrawnCell> cells_;
   std::array<std::uint32_t, kDepth + 2> begin_{};  // Of each depth; then the end.
 };

@@ -16,11 +16,13 @@ Rgb mix(Rgb a, Rgb b, double t) {
 
 }  // namespace
 
+Eigen::Vector3d east_of(const Eigen::Vector3d& up_ecef) {
+  const Eigen::Vector3d across = Eigen::Vector3d::UnitZ().cross(up_ecef);
+  return across.norm() > 1e-9 ? across.normalized() : up_ecef.unitOrthogonal();
+}
+
 Sun::Sun(const Eigen::Vector3d& up_ecef) {
-  const Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();
-  const Eigen::Vector3d across = axis.cross(up_ecef);  // East; at the poles any way will do.
-  const Eigen::Vector3d east =
-      across.norm() > 1e-9 ? across.normalized() : up_ecef.unitOrthogonal();
+  const Eigen::Vector3d east = east_of(up_ecef);
   const Eigen::Vector3d south = east.cross(up_ecef);
   direction_ = (0.8 * up_ecef + 0.25 * east + 0.5 * south).normalized();
 }

@@ -15,6 +15,9 @@ inline Rgb lit(Rgb colour, float light) {
   return {channel(colour.r), channel(colour.g), channel(colour.b)};
 }
 
+/// East where up is so, of length 1; at the poles any way along the ground.
+Eigen::Vector3d east_of(const Eigen::Vector3d& up_ecef);
+
 /// What falls on a surface of cells from a high sun in the south-east; surfaces turned from it keep
 /// half their light.
 class Sun {

@@ -47,6 +47,11 @@ Rgb neutral_colour(double part_of_height) {
   return along(kColours, std::sqrt(hold(part_of_height)));
 }
 
+Rgb ellipsoid_colour(double height) {
+  const double turns = height / (2 * kEllipsoidTurn);
+  return ramp_colour(1 - std::abs(2 * (turns - std::floor(turns)) - 1));
+}
+
 Rgb depth_colour(int depth) {
   static constexpr std::array<Rgb, 8> kColours = {{{136, 34, 85},
                                                    {170, 68, 153},

@@ -36,6 +36,10 @@ class HeightColours {
   std::array<Rgb, kSteps + 1> table_{};
 };
 
+/// For heights above the ellipsoid, metres: the ramp up and down again, kEllipsoidTurn each way.
+inline constexpr double kEllipsoidTurn = 50;
+Rgb ellipsoid_colour(double height);
+
 /// For the eight depths of a tile, told apart easily.
 Rgb depth_colour(int depth);
 

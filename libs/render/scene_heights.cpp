@@ -33,12 +33,15 @@ SceneHeights scene_heights(const Camera& camera, const Grid& grid,
                            std::span<const PlacedTree> trees) {
   const Eigen::Vector3d up = up_at(camera.position());
   std::uint64_t count = 0;
-  for (const auto& placed : trees) count += placed.tree->nodes_of_depth(kSampledDepth).count;
+  const auto sampled = [](const RenderTree& tree) {
+    return tree.nodes_of_depth(std::min(kSampledDepth, tree.depth()));
+  };
+  for (const auto& placed : trees) count += sampled(*placed.tree).count;
   const std::uint64_t every = count / kSamples + 1;
   std::vector<double> samples;
   std::uint64_t skip = 0;
   for (const auto& placed : trees) {
-    const auto nodes = placed.tree->nodes_of_depth(kSampledDepth);
+    const auto nodes = sampled(*placed.tree);
     for (; skip < nodes.count; skip += every) {
       const auto node = nodes.first + static_cast<std::uint32_t>(skip);
       const Box box = grid.box(placed.key, placed.tree->key_of(node));

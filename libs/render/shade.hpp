@@ -20,9 +20,14 @@ enum class Colouring {
   kHeight,       ///< Height above the scene's ground.
   kProbability,  ///< From 0.5 to 1.
   kLeafDepth,    ///< The depth of its leaf.
+  /// Height above the ellipsoid, to 2 cm within 500 m: up the ramp for 50 m and down again for the
+  /// next, so that a height has the same colour in every picture.
+  kEllipsoid,
+  /// Which way the surface looks: east in red, north in green, up in blue; grey where unknown.
+  kNormal,
 };
 
-/// "rgb", "height", "probability", "depth".
+/// "rgb", "height", "probability", "depth", "ellipsoid", "normal".
 const char* name_of(Colouring colouring);
 /// Errors: kInvalid, naming the word and the choice.
 Result<Colouring> colouring_of(const std::string& name);
@@ -37,20 +42,13 @@ struct SceneHeights {
   double ground = 0;
   double rise = 25;
 };
-SceneHeights scene_heights(const Camera& camera, const Grid& grid,
-                           std::span<const PlacedCloud> clouds);
-/// The same of trees, by their cells of depth 5.
+/// Of the trees' cells of depth 5, or the deepest that a coarse one has.
 SceneHeights scene_heights(const Camera& camera, const Grid& grid,
                            std::span<const PlacedTree> trees);
 
 /// The picture: each cell in its colour, under a high sun from the south-east and eye-dome light;
 /// behind them the sky, lighter towards the horizon, and pale grey below it, where nothing is
-/// known.
-/// Cost: some 30 ns a pixel.
-Image shade(const CellImage& cells, const CellNumbers& numbers, const Camera& camera,
-            const Grid& grid, const SceneHeights& heights, Colouring colouring);
-
-/// The same of what a Splatter drew; heights are those of the points that pixels show.
+/// known. Heights are those of the points that pixels show.
 /// Cost: some 10 ns a pixel, shared by the workers.
 Image shade(const CellImage& cells, const TreeNumbers& numbers, const Camera& camera,
             const Grid& grid, const SceneHeights& heights, Colouring colouring, Workers& workers);

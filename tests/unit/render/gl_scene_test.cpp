@@ -189,9 +189,9 @@ TEST_CASE("one scene draws pictures of many sizes", "[gl]") {
   scene.occupy_box({-1, 5, -1}, {1, 5, 1});
   const test::Clouds clouds(scene, kDepth);
   auto gl = GlScene::create();
-  for (const auto& [w, h] : {std::pair{1, 1}, {640, 400}, {2, 300}, {1500, 10}}) {
-    const auto camera = scene.camera({0, 0, 0}, {0, 5, 0}, Lens::of_view(20, w, h));
-    const auto image = (*gl)->draw(*camera, scene.grid(), clouds.placed());
+  for (const auto& [w, h] : {std::pair{1, 1}, {640, 400}, {2, 300}, {250, 10}}) {
+    const Camera camera = scene.camera({0, 0, 0}, {0, 5, 0}, Lens::of_view(20, w, h)).value();
+    const auto image = (*gl)->draw(camera, scene.grid(), clouds.placed());
     REQUIRE(image.has_value());
     REQUIRE(image->cell[image->index(w / 2, h / 2)] != CellImage::kNone);
   }

@@ -2,7 +2,8 @@
 
 #include <catch2/catch.hpp>
 
-#include "render/picture.hpp"
+#include "forest.hpp"
+#include "render/painter.hpp"
 #include "render/ramp.hpp"
 #include "scene.hpp"
 
@@ -10,8 +11,8 @@ namespace voxatlas {
 namespace {
 
 TEST_CASE("colourings are known by name", "[shade]") {
-  for (const auto colouring :
-       {Colouring::kRgb, Colouring::kHeight, Colouring::kProbability, Colouring::kLeafDepth}) {
+  for (const auto colouring : {Colouring::kRgb, Colouring::kHeight, Colouring::kProbability,
+                               Colouring::kLeafDepth, Colouring::kEllipsoid, Colouring::kNormal}) {
     REQUIRE(colouring_of(name_of(colouring)).value() == colouring);
   }
   const auto unknown = colouring_of("plaid");
@@ -32,34 +33,30 @@ TEST_CASE("the ramp grows lighter all the way", "[ramp]") {
 TEST_CASE("the ground of a scene is low, and no single cell below it counts", "[shade]") {
   test::Scene scene = test::street_scene();
   scene.occupy({0, 0, -30});
-  const test::Clouds clouds(scene, kDepth);
+  const test::Forest forest(scene.tiles());
   const auto camera = scene.camera({0, 0, 2}, {30, 0, 2}, Lens::of_view(60, 320, 200));
-  const SceneHeights heights = scene_heights(*camera, scene.grid(), clouds.placed());
-  REQUIRE(heights.ground == Approx(-2).margin(0.2));
+  const SceneHeights heights = scene_heights(*camera, scene.grid(), forest.placed());
+  REQUIRE(heights.ground == Approx(-2).margin(0.4));
   REQUIRE(heights.up_ecef.dot(scene.frame().up_ecef()) > 0.999999);
 }
 
 TEST_CASE("a picture shows each thing in its colour, and sky above", "[shade]") {
   const test::Scene scene = test::street_scene();
-  const test::Clouds clouds(scene, kDepth);
-  const auto camera = scene.camera({0, 0, 2}, {14, 3.5, 0.8}, Lens::of_view(60, 320, 200));
-  auto maker = PictureMaker::create();
-  REQUIRE(maker.has_value());
-  const auto picture =
-      (*maker)->make(*camera, scene.grid(), clouds.placed(), {Colouring::kRgb, true});
-  REQUIRE(picture.has_value());
-  const Rgb car = picture->image.at(160, 100);
+  const test::Forest forest(scene.tiles());
+  const auto camera = scene.camera({0, 0, 2}, {14, 3.5, 0.8}, Lens::of_view(60, 320, 200)).value();
+  Painter painter(1);
+  Painting rgb, other;
+  REQUIRE(painter.paint(camera, scene.grid(), forest.placed(), {}, rgb).has_value());
+  const Rgb car = rgb.image.at(160, 100);
   REQUIRE(car.r > 2 * car.g);
-  const Rgb sky = picture->image.at(200, 2);
+  const Rgb sky = rgb.image.at(200, 2);
   REQUIRE(sky.b >= sky.r);
-  REQUIRE(picture->cells_drawn > 10'000);
-  REQUIRE(picture->draw_ms > 0);
-
-  for (const auto colouring :
-       {Colouring::kHeight, Colouring::kProbability, Colouring::kLeafDepth}) {
-    const auto other = (*maker)->make(*camera, scene.grid(), clouds.placed(), {colouring, true});
-    REQUIRE(other.has_value());
-    REQUIRE_FALSE(other->image == picture->image);
+  for (const auto colouring : {Colouring::kHeight, Colouring::kProbability, Colouring::kLeafDepth,
+                               Colouring::kEllipsoid, Colouring::kNormal}) {
+    PaintOptions options;
+    options.colouring = colouring;
+    REQUIRE(painter.paint(camera, scene.grid(), forest.placed(), options, other).has_value());
+    REQUIRE_FALSE(other.image == rgb.image);
   }
 }
 

@@ -1,8 +1,11 @@
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "geodesy/ecef.hpp"
 #include "render/eye_dome.hpp"
 #include "render/light.hpp"
+#include "render/ramp.hpp"
 #include "render/shade.hpp"
 #include "render/splatter.hpp"
 #include "scene.hpp"
@@ -67,20 +70,82 @@ TEST_CASE("a pixel has its cell's colour, darkened alike in all channels", "[sha
 
 TEST_CASE("threads do not change how trees are shaded", "[shade][splat]") {
   ShadedStreet street;
-  for (const auto colouring :
-       {Colouring::kRgb, Colouring::kHeight, Colouring::kProbability, Colouring::kLeafDepth}) {
+  for (const auto colouring : {Colouring::kRgb, Colouring::kHeight, Colouring::kProbability,
+                               Colouring::kLeafDepth, Colouring::kEllipsoid, Colouring::kNormal}) {
     REQUIRE(street.shaded(colouring, 1) == street.shaded(colouring, 3));
   }
 }
 
-TEST_CASE("the heights of trees are those of their cells", "[shade][splat]") {
+TEST_CASE("coloured by the ellipsoid, a pixel tells its height", "[shade][splat]") {
+  ShadedStreet street;
+  const Image image = street.shaded(Colouring::kEllipsoid, 1);
+  const Eigen::Matrix3d ecef_from_camera = street.camera().rotation().transpose();
+  for (int y = 0; y < image.height; y += 3) {
+    for (int x = 0; x < image.width; x += 3) {
+      const std::size_t at = street.cells().index(x, y);
+      if (street.cells().cell[at] == CellImage::kNone) continue;
+      const Eigen::Vector3d p_ecef =
+          street.camera().position() +
+          ecef_from_camera *
+              street.camera().point(x + 0.5, y + 0.5, static_cast<double>(street.cells().z[at]));
+      const Rgb own = ellipsoid_colour(to_geodetic(p_ecef).value().height);
+      const Rgb pixel = image.at(x, y);
+      const double light = pixel.g / static_cast<double>(own.g);
+      CAPTURE(x, y);
+      REQUIRE(light <= 1.02);
+      REQUIRE(std::abs(pixel.r - light * own.r) <= 3);
+      REQUIRE(std::abs(pixel.b - light * own.b) <= 3);
+    }
+  }
+}
+
+TEST_CASE("a height's colour is its own, and turns every 50 m", "[shade]") {
+  REQUIRE(ellipsoid_colour(0) == ramp_colour(0));
+  REQUIRE(ellipsoid_colour(25) == ramp_colour(0.5));
+  REQUIRE(ellipsoid_colour(50) == ramp_colour(1));
+  REQUIRE(ellipsoid_colour(75) == ramp_colour(0.5));
+  REQUIRE(ellipsoid_colour(-25) == ramp_colour(0.5));
+  REQUIRE(ellipsoid_colour(1000) == ramp_colour(0));
+}
+
+TEST_CASE("coloured by normals, the ground is blue and a wall looks towards the eye",
+          "[shade][splat]") {
+  ShadedStreet street;
+  const Image image = street.shaded(Colouring::kNormal, 1);
+  std::size_t ground = 0, wall = 0, shown = 0;
+  for (std::size_t at = 0; at < image.pixels.size(); ++at) {
+    if (street.cells().cell[at] == CellImage::kNone) continue;
+    ++shown;
+    const Rgb pixel = image.pixels[at];
+    ground += pixel.b > 1.5 * pixel.r && pixel.b > 1.5 * pixel.g;      // Up.
+    wall += pixel.g > 1.5 * pixel.b || 1.5 * pixel.g < pixel.b * 0.9;  // North or south.
+  }
+  REQUIRE(ground * 5 > shown);
+  REQUIRE(wall * 5 > shown);
+}
+
+TEST_CASE("the heights of a scene are those of its cells, of coarse trees too",
+          "[shade][splat][oracle]") {
   const ShadedStreet street;
-  const test::Clouds clouds(street.scene(), kDepth);
-  const auto by_trees = street.heights();
-  const auto by_cells = scene_heights(street.camera(), street.scene().grid(), clouds.placed());
-  REQUIRE(by_trees.up_ecef == by_cells.up_ecef);
-  REQUIRE(std::abs(by_trees.ground - by_cells.ground) < 0.4);
-  REQUIRE(std::abs(by_trees.rise - by_cells.rise) < 0.8);
+  const auto found = street.heights();
+  REQUIRE(found.up_ecef == up_at(street.camera().position()));
+  std::vector<double> heights;
+  std::vector<RenderTree> coarse;
+  std::vector<PlacedTree> placed;
+  coarse.reserve(street.scene().tiles().size());
+  for (const auto& [key, tile] : street.scene().tiles()) {
+    placed.push_back({key, &coarse.emplace_back(tile, 0, 4)});
+    tile.for_each_cell(kDepth, [&, at = key](const Leaf& leaf) {
+      const Box box = street.scene().grid().box(at, leaf.cell);
+      heights.push_back(found.up_ecef.dot((box.min + box.max) / 2 - street.camera().position()));
+    });
+  }
+  std::sort(heights.begin(), heights.end());
+  const double ground = heights[heights.size() / 20], top = heights[heights.size() * 99 / 100];
+  REQUIRE(std::abs(found.ground - ground) < 0.4);
+  REQUIRE(std::abs(found.rise - std::clamp(top - ground, 5.0, 25.0)) < 0.8);
+  const auto roughly = scene_heights(street.camera(), street.scene().grid(), placed);
+  REQUIRE(std::abs(roughly.ground - ground) < 1);
 }
 
 TEST_CASE("the sky is as light by steps as it is by itself", "[shade]") {
