@@ -1,15 +1,50 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "bench/render_model.hpp"
-#include "render/camera.hpp"
+#include "render/painter.hpp"
 
 namespace voxatlas::bench {
 
-/// Prints how long the Splatter takes, beside the GL backend in the same run: the median of
-/// `repeat` pictures a line. With `out`, a folder, also PNGs of the three views.
-void measure_splatter(const Model& model, const Grid& grid, const Camera& street, int repeat,
-                      const std::string& out);
+struct View {
+  std::string name;
+  Camera camera;
+};
+
+/// Prints how long the Splatter takes, beside the GL backend in the same run: medians of `repeat`
+/// pictures, and the best of them.
+class SplatBench {
+ public:
+  SplatBench(const Model& model, const Grid& grid, int repeat);
+
+  void print_memory() const;
+  void print_coarse_build() const;
+  /// One and two threads, and the whole picture as JPEG.
+  void print_view(const View& view);
+  /// What passing over the hidden gains, and what a second thread.
+  void print_gains(const View& street);
+  /// Depth by depth, the paper's table 1 beside.
+  void print_depths(const View& view);
+  void print_against_gl(const std::vector<View>& views);
+
+  const std::vector<PlacedTree>& placed() const { return placed_; }
+
+ private:
+  void splat(Splatter& splatter, const Camera& camera, const SplatOptions& options);
+  void jpeg_of(const View& view);
+
+  const Model& model_;
+  const Grid& grid_;
+  int repeat_;
+  std::vector<RenderTree> trees_;
+  std::vector<PlacedTree> placed_;
+  double build_ms_ = 0;
+  Splatter alone_{1}, both_{2};
+  Painter painter_{2};
+  CellImage image_;
+  Painting painting_;
+};
 
 }  // namespace voxatlas::bench
