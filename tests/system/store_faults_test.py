@@ -7,10 +7,11 @@ test with the protection taken away, which must find a loss.
 
 import os
 import random
+import subprocess
 import sys
 import unittest
 
-from support import harness, power_cut, store_probe
+from support import disks, harness, store_probe
 
 LONG = "--long" in sys.argv
 SEED = int(os.environ.get("VOX_SEED") or random.randrange(1 << 30))
@@ -30,13 +31,46 @@ class Kill(harness.SystemTest):
         self.assertIn("was acknowledged", wrong, f"VOX_SEED={SEED}")
 
 
+class Reading(harness.SystemTest):
+    READS = 3000
+
+    def read(self, probe):
+        """Reads so many times; how many appends were told of meanwhile."""
+        appends = 0
+        for _ in range(self.READS):
+            probe.stdin.write("\n")
+            probe.stdin.flush()
+            while (line := probe.stdout.readline()) != "R\n":
+                self.assertEqual(line, "A\n")
+                appends += 1
+        return appends
+
+    def test_reading_does_not_wait_for_a_write_whose_disk_stands_still(self):
+        if disks.missing():
+            self.skipTest("no disk that can stand still: " + disks.missing())
+        disk = disks.FailingDisk(self.folder)
+        self.addCleanup(disk.down)
+        disk.up()
+        probe = subprocess.Popen([store_probe.PROBE, "read-beside", disk.mount / "model"],
+                                 stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        self.addCleanup(probe.communicate)
+        self.addCleanup(probe.kill)
+        while self.read(probe) == 0:  # The control: meanwhile a disk at work takes appends.
+            pass
+        disk.stand_still()
+        while self.read(probe) > 0:  # Those under way may have had their sync.
+            pass
+        disk.go_on()
+        self.assertEqual(probe.stdout.readline(), "A\n")
+
+
 @unittest.skipUnless(LONG, "--long only")
 class PowerCut(harness.SystemTest):
     def setUp(self):
         super().setUp()
-        if power_cut.missing():
-            self.skipTest("no disk whose power can be cut: " + power_cut.missing())
-        self.disk = power_cut.Disk(self.folder)
+        if disks.missing():
+            self.skipTest("no disk whose power can be cut: " + disks.missing())
+        self.disk = disks.VolatileDisk(self.folder)
         self.addCleanup(self.disk.down)
         self.rng = random.Random(SEED)
 

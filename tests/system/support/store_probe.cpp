@@ -4,6 +4,8 @@
 //
 //   store_probe write DIR [--no-sync] [--ack-ahead N]   prints `A n` when scan n is durable
 //   store_probe verify DIR N                            0: scans 0..N are there, each applied once
+//   store_probe read-beside DIR                         `A` for each synced append, `R` for each
+//                                                       line of standard input, once it has read
 //   store_probe fill DIR TILES CACHE_MB                 prints peak memory and a hash of all tiles
 //
 // --no-sync and --ack-ahead are the controls: with them, tests must see a loss.
@@ -11,8 +13,11 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <cstdlib>
 #include <fstream>
+#include <iostream>
 #include <stdexcept>
+#include <thread>
 
 #include "atlas/memory_plan.hpp"
 #include "octree/tile_hash.hpp"
@@ -91,6 +96,26 @@ void verify_scans(const Options& options) {
   fmt::print("scans up to {}\n", mark);
 }
 
+/// A thread appends for ever; this one reads when it is told to.
+void read_beside(const Options& options) {
+  std::setvbuf(stdout, nullptr, _IOLBF, 0);
+  const auto store = or_throw(RocksDbStore::open(options.directory + "/shard-0"));
+  const auto epoch = or_throw(store->acquire(0));
+  const StoredTile tiles[] = {{test::key(1), 1, Bytes(5'000, 7)}};
+  or_throw(store->put(0, epoch, tiles));
+  std::thread appends([&] {  // Ends with the process.
+    const Bytes records[] = {Bytes(1'500, 1)};
+    while (store->append(0, epoch, records)) fmt::print("A\n");
+  });
+  for (std::string line; std::getline(std::cin, line);) {
+    const auto tile = or_throw(store->get(0, test::key(1)));
+    const auto page = or_throw(store->scan(0, test::key(0), 10));
+    if (!tile || page.size() != 1) throw std::runtime_error("the tile is not there");
+    fmt::print("R\n");
+  }
+  std::_Exit(0);
+}
+
 /// One of a tile's changes: some free space and a piece of surface.
 Bytes change_of(std::uint64_t tile, std::uint64_t pass) {
   TileDelta delta;
@@ -160,8 +185,9 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   auto* write_mode = app.add_subcommand("write");
   auto* verify_mode = app.add_subcommand("verify");
+  auto* read_mode = app.add_subcommand("read-beside");
   auto* fill_mode = app.add_subcommand("fill");
-  for (auto* mode : {write_mode, verify_mode, fill_mode}) {
+  for (auto* mode : {write_mode, verify_mode, read_mode, fill_mode}) {
     mode->add_option("dir", options.directory)->required();
   }
   write_mode->add_flag("--no-sync", options.no_sync);
@@ -174,6 +200,7 @@ int main(int argc, char** argv) {
   try {
     if (*write_mode) write_scans(options);
     if (*verify_mode) verify_scans(options);
+    if (*read_mode) read_beside(options);
     if (*fill_mode) fill_tiles(options);
   } catch (const std::exception& e) {
     fmt::print(stderr, "store_probe: {}\n", e.what());

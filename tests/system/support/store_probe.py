@@ -26,7 +26,8 @@ class Writer:
         self.process.kill()
         while self._read_line():
             pass
-        error = self.process.stderr.read()
+        told = self.process.stderr.read().splitlines()
+        error = "\n".join(line for line in told if " info: " not in line)
         self.process.wait()
         self.process.stdout.close()
         self.process.stderr.close()

@@ -206,6 +206,21 @@ TEST_CASE("a log or manifest that lost its end is refused", "[store][rocksdb]") 
   }
 }
 
+TEST_CASE("control: without the file ACKED a log that lost its end opens without a word",
+          "[store][rocksdb]") {
+  const test::TempDir folder;
+  const auto told = kill_after(folder / "store", 1, 60);
+  fs::remove(folder / "store/ACKED");
+  const auto logs = files_of(folder / "store", ".log");
+  REQUIRE(logs.size() == 1);
+  const auto path = folder / ("store/" + logs.front());
+  fs::resize_file(path, fs::file_size(path) / 2);
+  const auto store = open_store(folder / "store");
+  REQUIRE(store->verify(0).has_value());
+  const auto tile = store->get(0, key(told % 64)).value();
+  REQUIRE((!tile.has_value() || tile->version < told));
+}
+
 TEST_CASE("a disk that is nearly full is refused before anything is written", "[store][rocksdb]") {
   const test::TempDir folder;
   RocksDbOptions full;

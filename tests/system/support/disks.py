@@ -1,9 +1,9 @@
-"""A disk whose power can be cut: ext4 on a loop device on a file that nbdkit serves by FUSE, with a
-cache that only a flush empties. Killing nbdkit loses whatever was not synced. Root only."""
+"""Disks that fail: ext4 on a loop device on a file that nbdkit serves by FUSE. Root only."""
 
 import os
 import pathlib
 import shutil
+import signal
 import subprocess
 import time
 
@@ -32,7 +32,10 @@ def wait_until(fact, what):
 
 
 class Disk:
-    """`mount` is where the file system hangs between up() and cut() or down()."""
+    """`mount` is where the file system hangs between up() and down()."""
+
+    server = []  # What nbdkit serves the image through.
+    features = []
 
     def __init__(self, folder):
         self.folder = pathlib.Path(folder)
@@ -41,7 +44,7 @@ class Disk:
         self.image = self.folder / "image"
         with open(self.image, "wb") as image:
             image.truncate(DISK_BYTES)
-        subprocess.run(["mkfs.ext4", "-q", "-F", self.image], check=True)
+        subprocess.run(["mkfs.ext4", "-q", "-F", *self.features, self.image], check=True)
         self.processes = []
         self.loop = None
         self.is_up = False
@@ -50,8 +53,9 @@ class Disk:
         socket, volume = self.folder / "socket", self.folder / "volume"
         socket.unlink(missing_ok=True)
         volume.write_bytes(b"")
-        self._start("nbdkit", "-f", "-U", socket, "--filter=cache", "file", self.image,
-                    "cache=writeback", "cache-min-block-size=4096", env={"TMPDIR": self.folder})
+        filter_name, *settings = self.server
+        self._start("nbdkit", "-f", "-U", socket, filter_name, "file", self.image, *settings,
+                    env={"TMPDIR": self.folder})
         wait_until(socket.exists, "nbdkit")
         self._start("nbdfuse", volume, "--unix", socket)
         wait_until(lambda: volume.stat().st_size == DISK_BYTES, "nbdfuse")
@@ -66,15 +70,18 @@ class Disk:
                 [str(part) for part in command], stdout=log, stderr=log,
                 env={**os.environ, **{k: str(v) for k, v in (env or {}).items()}}))
 
-    def cut(self):
-        """The power goes. Whoever uses the file system gets errors from now on."""
-        self.processes[0].kill()
-        self.processes[0].wait()
+    def stand_still(self):
+        """It answers nothing, until go_on()."""
+        self.processes[0].send_signal(signal.SIGSTOP)
+
+    def go_on(self):
+        self.processes[0].send_signal(signal.SIGCONT)
 
     def down(self):
-        """Takes the rest away; after cut(), or in peace (unmounting writes everything)."""
+        """Takes all away; in peace (unmounting writes everything), or what a fault has left."""
         if not self.is_up:
             return
+        self.go_on()
         self.is_up = False
         run = lambda *command: subprocess.run(command, check=False, capture_output=True)
         if run("umount", self.mount).returncode != 0:
@@ -86,3 +93,33 @@ class Disk:
             process.terminate()
             process.wait()
         self.processes = []
+
+
+class VolatileDisk(Disk):
+    """Its power can be cut: it has a cache that only a flush empties, and that goes with nbdkit."""
+
+    server = ["--filter=cache", "cache=writeback", "cache-min-block-size=4096"]
+
+    def cut(self):
+        """The power goes. Whoever uses the file system gets errors from now on."""
+        self.processes[0].kill()
+        self.processes[0].wait()
+
+
+class FailingDisk(Disk):
+    """It can be told to refuse all writes, with EIO. Without a journal of its own: ext4 would not
+    take its file system back after an error in that."""
+
+    features = ["-O", "^has_journal"]
+
+    def __init__(self, folder):
+        super().__init__(folder)
+        self.flag = self.folder / "fails"
+        self.server = ["--filter=error", "error-pwrite=EIO", "error-pwrite-rate=100%",
+                       f"error-file={self.flag}"]
+
+    def fail(self):
+        self.flag.touch()
+
+    def mend(self):
+        self.flag.unlink()
