@@ -7,27 +7,13 @@
 
 namespace voxatlas {
 
-/// The first to find nobody writing writes for all who have queued up by then.
 Result<JournalPosition> RocksDbStore::append(ShardId id, Epoch epoch,
                                              std::span<const Bytes> records) {
-  auto& shard = state_->slot(id);
-  State::Appending mine{epoch, records};
-  std::unique_lock queue(shard.queue_mutex);
-  shard.queue.push_back(&mine);
-  shard.queue_moved.wait(queue, [&] { return mine.done || !shard.writing_group; });
-  if (mine.done) return mine.result;
-  shard.writing_group = true;
-  const auto group = std::exchange(shard.queue, {});
-  queue.unlock();
-  state_->append_group(id, group);
-  queue.lock();
-  for (auto* member : group) member->done = true;
-  shard.writing_group = false;
-  shard.queue_moved.notify_all();
-  return mine.result;
+  return state_->slot(id).appends.append(
+      epoch, records, [this, id](auto group) { state_->append_group(id, group); });
 }
 
-void RocksDbStore::State::append_group(ShardId id, std::span<Appending* const> group) {
+void RocksDbStore::State::append_group(ShardId id, std::span<AppendQueue::Appending* const> group) {
   auto written = [&]() -> Status {
     auto owned = lock(id);
     if (!owned) return pass_on(owned);
@@ -40,7 +26,7 @@ void RocksDbStore::State::append_group(ShardId id, std::span<Appending* const> g
 }
 
 Status RocksDbStore::State::append_rows(ShardId id, Shard& shard,
-                                        std::span<Appending* const> group) {
+                                        std::span<AppendQueue::Appending* const> group) {
   JournalPosition position = shard.last;
   rocksdb::WriteBatch batch;
   for (auto* member : group) {

@@ -4,7 +4,6 @@
 #include <rocksdb/write_batch.h>
 
 #include <atomic>
-#include <condition_variable>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -14,25 +13,15 @@
 #include <vector>
 
 #include "store/acked_file.hpp"
+#include "store/append_queue.hpp"
 #include "store/rocksdb_store.hpp"
 
 namespace voxatlas {
 
 /// What a RocksDbStore holds. For its own .cpp files: RocksDB's headers stay behind them.
 struct RocksDbStore::State {
-  /// A call of append() that waits for its group's write.
-  struct Appending {
-    Epoch epoch;
-    std::span<const Bytes> records;
-    Result<JournalPosition> result = JournalPosition{0};
-    bool done = false;
-  };
-
   struct Shard {
-    std::mutex queue_mutex;  // Guards the next three; never taken while `mutex` is held.
-    std::condition_variable queue_moved;
-    std::vector<Appending*> queue;
-    bool writing_group = false;
+    AppendQueue appends;
 
     std::mutex mutex;  // Held for a whole write; guards what follows.
     bool loaded = false;
@@ -74,8 +63,8 @@ struct RocksDbStore::State {
   Result<Owned> own(ShardId shard, Epoch epoch);
   Status load(ShardId id, Shard& shard);
   /// Writes the records of all whose epoch is the shard's, in one batch; sets everyone's result.
-  void append_group(ShardId shard, std::span<Appending* const> group);
-  Status append_rows(ShardId id, Shard& shard, std::span<Appending* const> group);
+  void append_group(ShardId shard, std::span<AppendQueue::Appending* const> group);
+  Status append_rows(ShardId id, Shard& shard, std::span<AppendQueue::Appending* const> group);
   Result<JournalPosition> last_position(ShardId shard, JournalPosition trimmed);
 
   /// kNoSpace where the disk has less left than the batch and the reserve.

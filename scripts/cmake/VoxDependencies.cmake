@@ -23,6 +23,10 @@ pkg_check_modules(HWY REQUIRED IMPORTED_TARGET libhwy)
 pkg_check_modules(OSMESA REQUIRED IMPORTED_TARGET osmesa)
 pkg_check_modules(TURBOJPEG REQUIRED IMPORTED_TARGET libturbojpeg)
 
+# Optional (scripts/setup --rados): the tile store in a Ceph cluster.
+find_library(RADOS_LIBRARY rados)
+find_path(RADOS_INCLUDE_DIR rados/librados.hpp)
+
 # Debian's lcm.pc asks for glib-2.0's own .pc file, which liblcm-dev does not depend on.
 find_library(LCM_LIBRARY lcm REQUIRED)
 find_path(LCM_INCLUDE_DIR lcm/lcm.h REQUIRED)
