@@ -1,7 +1,9 @@
 #include "codec/pyramid.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
+#include <utility>
 
 #include "base/check.hpp"
 #include "octree/brick_table.hpp"
@@ -41,30 +43,41 @@ class Places {
     palette.push_back(value);
   }
 
+  /// By rows of eight: most are all of one value, or unknown.
   void mark(const Brick& brick) {
-    const bool all = brick.known == kAllVoxels;
-    LogOdds before = 0;  // Runs are long.
-    bool begun = false;
-    for (unsigned voxel = 0; voxel < kBrickVoxels; ++voxel) {
-      const LogOdds value = brick.log_odds[voxel];
-      if (begun && value == before) continue;
-      if (!all && !has_voxel(brick.known, voxel)) continue;
-      mark(value);
-      before = value;
-      begun = true;
+    for (unsigned row = 0; row < kBrickVoxels / 8; ++row) {
+      const unsigned known = brick.known[row / 8] >> 8 * (row % 8) & 0xff;
+      std::array<LogOdds, 8> values, same;
+      std::memcpy(values.data(), &brick.log_odds[std::size_t{8} * row], sizeof values);
+      same.fill(values[0]);
+      if (known == 0xff && values == same) {
+        mark(values[0]);
+        continue;
+      }
+      for (unsigned x = 0; x < 8; ++x) {
+        if ((known >> x & 1) != 0) mark(values[x]);
+      }
     }
   }
 
   std::vector<Place> places_ = std::vector<Place>(kValues);
 };
 
+/// Which cells of depth 6, a bit each, have eight voxels of one place.
+using Alike = std::uint64_t;
+
 /// Exceptions and highest places of depths 6, 5 and 4 from the voxels and the ground.
-void sum_up(PyramidBrick& brick) {
+void sum_up(PyramidBrick& brick, Alike alike) {
   for (int depth = kDepth; depth > kBrickDepth; --depth) {
     const unsigned below = PyramidBrick::first(depth);
     const unsigned here = PyramidBrick::first(depth - 1);
     for (unsigned cell = 0; cell < below - here; ++cell) {
       const Place* children = brick.highest.data() + below + std::size_t{8} * cell;
+      if (depth == kDepth && (alike >> cell & 1) != 0) {
+        brick.exceptions[here + cell] = children[0] != brick.ground ? 0xff : 0;
+        brick.highest[here + cell] = children[0];
+        continue;
+      }
       unsigned mask = 0;
       Place highest = kUnknown;
       for (unsigned octant = 0; octant < 8; ++octant) {
@@ -84,45 +97,87 @@ class Majority {
  public:
   explicit Majority(std::size_t places) : counts_(places) {}
 
-  Place of(const Place* voxels) {
-    Place best = voxels[0];
-    unsigned most = 0;
-    for (unsigned i = 0; i < kBrickVoxels;) {
-      unsigned end = i + 1;
-      while (end < kBrickVoxels && voxels[end] == voxels[i]) ++end;
-      const unsigned count = counts_[voxels[i]] += end - i;
-      if (count > most) {
-        most = count;
-        best = voxels[i];
+  Place of(const Place* voxels, Alike alike) {
+    for (unsigned cell = 0; cell < kBrickVoxels / 8; ++cell) {
+      const Place* own = voxels + std::size_t{8} * cell;
+      if ((alike >> cell & 1) != 0) {
+        add(own[0], 8);
+      } else {
+        for (unsigned i = 0; i < 8; ++i) add(own[i], 1);
       }
-      i = end;
     }
-    for (unsigned i = 0; i < kBrickVoxels; ++i) counts_[voxels[i]] = 0;
-    return best;
+    unsigned most = 0, so_often = 0;
+    Place best = kUnknown;
+    for (const Place place : seen_) {
+      const unsigned count = std::exchange(counts_[place], 0);
+      so_often = count > most ? 1 : so_often + (count == most ? 1 : 0);
+      best = count > most ? place : best;
+      most = std::max(most, count);
+    }
+    seen_.clear();
+    return so_often == 1 ? best : first_to_be(most, voxels);
   }
 
  private:
+  void add(Place place, unsigned count) {
+    if (counts_[place] == 0) seen_.push_back(place);
+    counts_[place] += count;
+  }
+
+  Place first_to_be(unsigned most, const Place* voxels) {
+    unsigned at = 0;
+    while (++counts_[voxels[at]] < most) ++at;
+    for (unsigned i = 0; i <= at; ++i) counts_[voxels[i]] = 0;
+    return voxels[at];
+  }
+
   std::vector<unsigned> counts_;
+  std::vector<Place> seen_;
 };
 
-/// The voxels' places, in Morton order. False where all are the same.
-bool read_places(const Brick& brick, const Places& places, Place* voxels) {
-  LogOdds before = brick.log_odds[0];
-  Place place = places.of(before);
-  for (unsigned code = 0; code < kBrickVoxels; ++code) {
-    const LogOdds value = brick.log_odds[kVoxelOfMorton[code]];
-    if (value != before) {
-      before = value;
-      place = places.of(value);
-    }
-    voxels[code] = place;
+/// The voxels of a cell of depth 6 in Morton order are four pairs along x.
+constexpr std::array<unsigned, 4> kPairs{0, 8, 64, 72};
+
+/// Those that are known, a bit each in Morton order.
+unsigned known_of_cell(const Brick& brick, unsigned first_voxel) {
+  unsigned known = 0;
+  for (unsigned i = 0; i < 4; ++i) {
+    const unsigned voxel = first_voxel + kPairs[i];
+    known |= static_cast<unsigned>(brick.known[voxel >> 6] >> (voxel & 63) & 3) << 2 * i;
   }
-  if (brick.known != kAllVoxels) {
-    for (unsigned code = 0; code < kBrickVoxels; ++code) {
-      if (!has_voxel(brick.known, kVoxelOfMorton[code])) voxels[code] = kUnknown;
+  return known;
+}
+
+/// The places of a brick, in Morton order, a cell of depth 6 at a time: most are all of one.
+Alike read_places(const Brick& brick, const Places& places, Place* voxels) {
+  const bool all = brick.known == kAllVoxels;
+  Alike alike = 0;
+  for (unsigned cell = 0; cell < kBrickVoxels / 8; ++cell) {
+    const unsigned first = kVoxelOfMorton[std::size_t{8} * cell];
+    std::array<LogOdds, 8> values;
+    for (std::size_t i = 0; i < 4; ++i) {
+      std::memcpy(&values[2 * i], &brick.log_odds[first + kPairs[i]], 2 * sizeof(LogOdds));
+    }
+    const unsigned known = all ? 0xff : known_of_cell(brick, first);
+    Place* own = voxels + std::size_t{8} * cell;
+    std::array<LogOdds, 8> same;
+    same.fill(values[0]);
+    const bool one = known == 0 || (known == 0xff && values == same);
+    if (one) {
+      std::fill_n(own, 8, known == 0 ? kUnknown : places.of(values[0]));
+      alike |= Alike{1} << cell;
+      continue;
+    }
+    for (unsigned i = 0; i < 8; ++i) {
+      own[i] = (known >> i & 1) != 0 ? places.of(values[i]) : kUnknown;
     }
   }
-  return std::memcmp(voxels, voxels + 1, sizeof *voxels * (kBrickVoxels - 1)) != 0;
+  return alike;
+}
+
+bool is_one_place(const Place* voxels, Alike alike) {
+  return alike == ~Alike{0} &&
+         std::memcmp(voxels, voxels + 1, sizeof *voxels * (kBrickVoxels - 1)) == 0;
 }
 
 /// Fills a cut brick: `count` voxels in Morton order from `first` on.
@@ -174,17 +229,21 @@ Pyramid pyramid_of(const BrickTable& table) {
   Places places(table);
   VOX_CHECK(places.palette.size() < kValues);
   Majority majority(places.palette.size() + 1);
+  unsigned mixed = 0;
+  for (unsigned i = 0; i < kBricks; ++i) mixed += table.is_mixed(i) ? 1 : 0;
+  pyramid.bricks.reserve(mixed);
   for (unsigned i = 0; i < kBricks; ++i) {
     auto& slot = pyramid.slots[i];
     if (table.is_empty(i)) continue;
     slot.kind = Pyramid::Kind::kUniform;
     if (table.is_mixed(i)) {
       auto& brick = pyramid.bricks.emplace_back();
-      if (read_places(table.mixed(i), places, brick.voxels())) {
+      const Alike alike = read_places(table.mixed(i), places, brick.voxels());
+      if (!is_one_place(brick.voxels(), alike)) {
         slot.kind = Pyramid::Kind::kMixed;
         slot.mixed = static_cast<std::uint16_t>(pyramid.bricks.size() - 1);
-        slot.ground = brick.ground = majority.of(brick.voxels());
-        sum_up(brick);
+        slot.ground = brick.ground = majority.of(brick.voxels(), alike);
+        sum_up(brick, alike);
         slot.highest = brick.highest[0];
         continue;
       }

@@ -75,7 +75,7 @@ Bytes encode_nodes_tile(const TileTree& tree, TileCodec codec, int level) {
 /// More than the paper's raw nodes (8 bytes each; an exact colour has 4 bytes more than theirs) and
 /// 64 bytes? Only so for a few large cells, which are many bricks: a colour each, in dense bytes.
 bool is_too_large(const Bytes& bytes, const TileTree& tree) {
-  constexpr std::size_t kAlwaysFits = 72, kNeverFew = 4096;
+  constexpr std::size_t kAlwaysFits = 72, kNeverFew = 1024;
   if (bytes.size() <= kAlwaysFits || bytes.size() > kNeverFew) return false;
   const auto counts = tree.counts();
   return bytes.size() > 8 * (counts.leaves + counts.inner) + 4 * counts.coloured_leaves + 64;
