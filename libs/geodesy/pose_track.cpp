@@ -11,8 +11,8 @@ using TimedPose = std::pair<std::int64_t, Pose>;
 
 PoseTrack::PoseTrack(std::vector<TimedPose> poses) : poses_(std::move(poses)) {
   std::ranges::stable_sort(poses_, {}, &TimedPose::first);
-  const auto twice = std::ranges::unique(poses_, {}, &TimedPose::first);
-  poses_.erase(twice.begin(), twice.end());
+  const auto same_time = [](const auto& a, const auto& b) { return a.first == b.first; };
+  poses_.erase(std::unique(poses_.begin(), poses_.end(), same_time), poses_.end());
 }
 
 Result<Pose> PoseTrack::at(std::int64_t utime) const {

@@ -7,14 +7,24 @@ set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
 
 # presets: scripts/build passes VOX_SANITIZE=address|thread for asan and tsan.
 set(VOX_SANITIZE "" CACHE STRING "address, thread or empty")
+# scripts/build fuzz passes it: fuzz targets get clang's libFuzzer in place of a replay.
+option(VOX_FUZZ "build the fuzz targets with libFuzzer (clang only)" OFF)
+if(VOX_FUZZ AND NOT CMAKE_CXX_COMPILER_ID MATCHES Clang)
+  message(FATAL_ERROR "VOX_FUZZ needs clang, not ${CMAKE_CXX_COMPILER}: use scripts/build fuzz")
+endif()
 
 add_library(vox_flags INTERFACE)
 target_compile_features(vox_flags INTERFACE cxx_std_20)
-target_compile_options(vox_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Werror)
+target_compile_options(vox_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion)
+if(VOX_FUZZ)
+  add_compile_options(-fsanitize=fuzzer-no-link)  # Coverage in every library that is fuzzed.
+else()
+  target_compile_options(vox_flags INTERFACE -Werror)  # g++'s warnings are the ones kept at none.
+endif()
 # A fused multiply-add rounds once where two operations round twice: with it the cells a ray crosses
 # would depend on the compiler and the processor. The same scan must give the same bytes anywhere.
 add_compile_options(-ffp-contract=off)
-if(VOX_SANITIZE)
+if(VOX_SANITIZE AND NOT VOX_FUZZ)
   # g++ 12 sees uninitialised members in the standard library's own code once it is instrumented
   # (std::regex within Catch2); the plain builds keep the warning.
   target_compile_options(vox_flags INTERFACE -Wno-maybe-uninitialized)
@@ -81,15 +91,23 @@ function(vox_test name)
   set_tests_properties(unit_${name} PROPERTIES TIMEOUT ${arg_TIMEOUT} SKIP_RETURN_CODE 77)
 endfunction()
 
-# vox_fuzz(tile_key_fuzz.cpp DEPS vox::grid)
-#   A libFuzzer target where the compiler has libFuzzer (clang, VOX_FUZZ=ON); everywhere, a program
-#   that replays files and then a fixed number of seeded mutations of them: ctest "fuzz_tile_key".
+# vox_fuzz(tile_key_fuzz.cpp CORPUS DIR DEPS vox::grid)   ->   bin/fuzz_tile_key
+#   With VOX_FUZZ a libFuzzer target: `fuzz_tile_key DIR` mutates for as long as it is let. Otherwise,
+#   with every compiler, a program that replays the corpus and then a fixed number of seeded
+#   mutations of it: ctest "fuzz_tile_key".
+add_custom_target(fuzz_targets)
 function(vox_fuzz source)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "CORPUS" "DEPS")
   get_filename_component(stem ${source} NAME_WE)
   string(REGEX REPLACE "_fuzz$" "" name ${stem})
-  add_executable(fuzz_${name} ${source} ${PROJECT_SOURCE_DIR}/tests/support/fuzz_replay.cpp)
+  add_executable(fuzz_${name} ${source})
   target_link_libraries(fuzz_${name} PRIVATE ${arg_DEPS} vox_flags)
+  add_dependencies(fuzz_targets fuzz_${name})
+  if(VOX_FUZZ)
+    target_link_options(fuzz_${name} PRIVATE -fsanitize=fuzzer)
+    return()
+  endif()
+  target_sources(fuzz_${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests/support/fuzz_replay.cpp)
   add_dependencies(unit_tests fuzz_${name})
   add_test(NAME fuzz_${name} COMMAND fuzz_${name} ${arg_CORPUS})
   set_tests_properties(fuzz_${name} PROPERTIES TIMEOUT 120)
