@@ -9,6 +9,7 @@
 #include <csignal>
 #include <cstring>
 
+#include "base/notify.hpp"
 #include "base/utime.hpp"
 #include "bus/channels.hpp"
 #include "bus/requests.hpp"
@@ -120,6 +121,8 @@ Status StatusPublisher::pump(std::int64_t now, const std::function<StatusCounter
     status_.counters.push_back(std::move(counter));
   }
   status_.counters_count = static_cast<std::int32_t>(status_.counters.size());
+  // The same words to systemd: a loop that no longer comes by here is one that its watchdog ends.
+  notify_supervisor("READY=1\nWATCHDOG=1\nSTATUS=" + status_.state);
   auto sent = send_(status_);
   // While the hub is away nobody could read it; the next one says the same.
   if (!sent && sent.error().code == ErrorCode::kUnavailable) return {};

@@ -10,6 +10,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "base/log.hpp"
 #include "bus/service_main.hpp"
 #include "compress/compress_process.hpp"
 #include "compress/compress_service.hpp"
@@ -55,6 +56,7 @@ static void declare(CLI::App& app, CompressOptions& options) {
                  "tiles wait, each at most a quarter of a second")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
+  app.add_flag_callback("--log-json", log_as_json, "log each event as one JSON object");
   app.set_config("--config", "", "read options from a TOML file");
   app.allow_config_extras(CLI::config_extras_mode::error);  // A misspelt key must not pass.
 }

@@ -9,13 +9,13 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
-#include <exception>
 
 #include "base/log.hpp"
 #include "base/utime.hpp"
 #include "bus/bus_url.hpp"
 #include "bus/channels.hpp"
 #include "bus/service_loop.hpp"
+#include "bus/service_main.hpp"
 #include "hub/hub_server.hpp"
 
 namespace voxatlas {
@@ -27,7 +27,7 @@ struct Options {
 };
 
 static void declare(CLI::App& app, Options& options);
-static int serve(const Options& options);
+static Status serve(const Options& options);
 static StatusPublisher hub_status(HubService& hub);
 static StatusCounters counters_of(const HubService& hub);
 static int probe(const std::string& url);
@@ -39,12 +39,8 @@ int main(int argc, char** argv) {
   CLI::App app{"voxatlas hub: carries the bus over TCP where there is no multicast"};
   voxatlas::declare(app, options);
   CLI11_PARSE(app, argc, argv);
-  try {
-    return options.probe.empty() ? voxatlas::serve(options) : voxatlas::probe(options.probe);
-  } catch (const std::exception& e) {
-    fmt::print(stderr, "voxatlas-hub: {}\n", e.what());
-    return 1;
-  }
+  if (!options.probe.empty()) return voxatlas::probe(options.probe);
+  return voxatlas::run_service("hub", [&] { return voxatlas::serve(options); });
 }
 
 namespace voxatlas {
@@ -59,16 +55,12 @@ static void declare(CLI::App& app, Options& options) {
   app.add_option("--probe", options.probe,
                  "do not serve: try this bus URL with a 60 kB message to itself; exit code 0 if it "
                  "comes back, else 1 and the reason");
+  app.add_flag_callback("--log-json", log_as_json, "log each event as one JSON object");
 }
 
-static int serve(const Options& options) {
-  set_log_name("hub");
-  stop_on_signals();
+static Status serve(const Options& options) {
   auto server = HubServer::listen(options.address, options.port, HubConfig{});
-  if (!server) {
-    fmt::print(stderr, "voxatlas-hub: {}\n", server.error().message);
-    return 1;
-  }
+  if (!server) return pass_on(server);
   fmt::print("ready {}\n", (*server)->port());
   std::fflush(stdout);
   auto status = hub_status((*server)->service());
@@ -77,12 +69,9 @@ static int serve(const Options& options) {
     auto served = status.pump(now, [&] { return counters_of((*server)->service()); });
     const auto wait_us = std::clamp<std::int64_t>(status.next_pump() - now, 0, 500'000);
     if (served) served = (*server)->serve(static_cast<int>(wait_us / 1000) + 1);
-    if (!served) {
-      fmt::print(stderr, "voxatlas-hub: {}\n", served.error().message);
-      return 1;
-    }
+    if (!served) return served;
   }
-  return 0;
+  return {};
 }
 
 /// The hub is no client of its own: it puts its status among the messages it carries.

@@ -12,6 +12,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "base/log.hpp"
 #include "bus/service_main.hpp"
 #include "ingest/ingest_process.hpp"
 
@@ -48,6 +49,7 @@ static void declare(CLI::App& app, IngestOptions& options) {
   app.add_option("--workers", options.workers, "integration threads; scans are spread over them")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
+  app.add_flag_callback("--log-json", log_as_json, "log each event as one JSON object");
   app.set_config("--config", "", "read options from a TOML file");
   app.allow_config_extras(CLI::config_extras_mode::error);  // A misspelt key must not pass.
 }

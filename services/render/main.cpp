@@ -14,6 +14,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "base/log.hpp"
 #include "bus/service_main.hpp"
 #include "render/render_process.hpp"
 
@@ -47,6 +48,7 @@ static void declare(CLI::App& app, RenderProcessOptions& options) {
   app.add_option("--cache-mb", options.cache_mb, "budget for tiles in memory, megabytes")
       ->check(CLI::Range(1, 1'000'000))
       ->capture_default_str();
+  app.add_flag_callback("--log-json", log_as_json, "log each event as one JSON object");
   app.set_config("--config", "", "read options from a TOML file");
   app.allow_config_extras(CLI::config_extras_mode::error);  // A misspelt key must not pass.
 }

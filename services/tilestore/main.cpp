@@ -12,6 +12,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "base/log.hpp"
 #include "bus/service_main.hpp"
 #include "tilestore/tilestore_process.hpp"
 
@@ -65,6 +66,7 @@ static void declare(CLI::App& app, TilestoreOptions& options) {
       ->check(CLI::Range(0, 1 << 30))
       ->capture_default_str();
   declare_model(app, options.model);
+  app.add_flag_callback("--log-json", log_as_json, "log each event as one JSON object");
   app.set_config("--config", "", "read options from a TOML file");
   app.allow_config_extras(CLI::config_extras_mode::error);  // A misspelt key must not pass.
 }
