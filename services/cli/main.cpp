@@ -208,6 +208,7 @@ static void declare_watch(CLI::App& app, Command& command) {
   declare_watch_tiles(*tiles, *tile_options);
   auto [status, status_options] =
       add("status", "how each service is, twice a second", watch_status);
+  status->add_option("--only", status_options->only, "of one service, such as \"render 0\" [all]");
   status->add_option("--until-ready", status_options->until_ready,
                      "end when so many services are ready [0: never]");
 }

@@ -11,6 +11,7 @@
 #include <set>
 
 #include "atlas/tile_merge.hpp"
+#include "bus/service_loop.hpp"
 #include "cli/model_folder.hpp"
 #include "cli/new_model.hpp"
 #include "cli/progress.hpp"
@@ -93,6 +94,12 @@ static Result<StoredTile> merge_stored(StoredTile mine, const std::optional<Stor
   return sum;
 }
 
+/// One page of tiles into the new model, unless a signal has asked to stop.
+static Status write_page(const std::vector<StoredTile>& page, NewModel& made) {
+  if (!stop_requested()) return made.put(page);
+  return fail(ErrorCode::kUnavailable, "stopped");
+}
+
 /// Every tile of `model`, with what `other` adds to it, into the new one.
 static Status write_all(ModelFolder& model, ModelFolder* other, NewModel& made) {
   Progress progress;
@@ -107,7 +114,7 @@ static Status write_all(ModelFolder& model, ModelFolder* other, NewModel& made) 
         tile = std::move(*sum);
       }
       progress.say(fmt::format("{} tiles written", made.tiles()));
-      return made.put(page);
+      return write_page(page, made);
     });
     if (!copied) return copied;
   }
@@ -124,7 +131,7 @@ static Status write_others_own(ModelFolder& model, ModelFolder& other, NewModel&
         if (!mine) return pass_on(mine);
         if (!*mine) own.push_back(std::move(tile));
       }
-      return made.put(own);
+      return write_page(own, made);
     });
     if (!copied) return copied;
   }
@@ -163,7 +170,34 @@ static Status check_alike(const ModelParameters& mine, const ModelParameters& th
                                                describe_difference(other, mine)));
 }
 
-/// Makes the new model beside the old one and lets it take its place.
+/// Makes the new model beside the old one, both open only in here.
+static Status write_new(const std::string& name, const std::string& other_directory,
+                        std::uint32_t shards, const std::string& made_in) {
+  auto model = ModelFolder::open(name);
+  if (!model) return pass_on(model);
+  std::optional<ModelFolder> other;
+  if (!other_directory.empty()) {
+    auto opened = ModelFolder::open(other_directory);
+    if (!opened) return pass_on(opened);
+    if (auto ok = check_alike(model->parameters(), opened->parameters()); !ok) return ok;
+    if (auto ok = opened->settle(); !ok) return ok;
+    other = std::move(*opened);
+  }
+  if (auto ok = model->settle(); !ok) return ok;
+  auto marks = other ? joined_marks(*model, *other) : model->common_marks();
+  if (!marks) return pass_on(marks);
+  ModelParameters parameters = model->parameters();
+  if (shards != 0) parameters.shards = shards;
+  auto made = NewModel::create(made_in, parameters);
+  if (!made) return pass_on(made);
+  auto written = write_all(*model, other ? &*other : nullptr, *made);
+  if (written && other) written = write_others_own(*model, *other, *made);
+  if (written) written = made->finish(*marks);
+  if (!written) return pass_on(written, fmt::format("{} is left unfinished", made_in));
+  return {};
+}
+
+/// Makes the new model and lets it take the old one's place; stopped by a signal, nothing is left.
 static Status rewrite(const std::string& directory, const std::string& other_directory,
                       std::uint32_t shards, const std::string& kept_as) {
   auto name = folder_name(directory);
@@ -172,29 +206,12 @@ static Status rewrite(const std::string& directory, const std::string& other_dir
   for (const auto& path : {made_in, kept}) {
     if (auto ok = refuse_existing(path); !ok) return ok;
   }
-  {
-    auto model = ModelFolder::open(*name);
-    if (!model) return pass_on(model);
-    std::optional<ModelFolder> other;
-    if (!other_directory.empty()) {
-      auto opened = ModelFolder::open(other_directory);
-      if (!opened) return pass_on(opened);
-      if (auto ok = check_alike(model->parameters(), opened->parameters()); !ok) return ok;
-      if (auto ok = opened->settle(); !ok) return ok;
-      other = std::move(*opened);
-    }
-    if (auto ok = model->settle(); !ok) return ok;
-    auto marks = other ? joined_marks(*model, *other) : model->common_marks();
-    if (!marks) return pass_on(marks);
-    ModelParameters parameters = model->parameters();
-    if (shards != 0) parameters.shards = shards;
-    auto made = NewModel::create(made_in, parameters);
-    if (!made) return pass_on(made);
-    auto written = write_all(*model, other ? &*other : nullptr, *made);
-    if (written && other) written = write_others_own(*model, *other, *made);
-    if (written) written = made->finish(*marks);
-    if (!written) return pass_on(written, fmt::format("{} is left unfinished", made_in));
+  auto written = write_new(*name, other_directory, shards, made_in);
+  std::error_code error;
+  if (!written && stop_requested() && fs::remove_all(made_in, error) > 0 && !error) {
+    return fail(ErrorCode::kUnavailable, fmt::format("stopped; {} is as it was", *name));
   }
+  if (!written) return written;
   return take_place(made_in, *name, kept);
 }
 

@@ -87,6 +87,8 @@ Status watch_status(const WatchOptions& options) {
   StatusBoard board;
   std::int64_t seen = 0, next_table = 0;
   const auto print = [&](const status_t& status) -> Status {
+    const auto name = fmt::format("{} {}", status.service, status.index);
+    if (!options.only.empty() && name != options.only) return {};
     ++seen;
     board.note(status, steady_utime());
     if (options.json) fmt::print("{}\n", status_json(status));
