@@ -1,6 +1,7 @@
 # The four verbs every CMakeLists.txt here is written in: vox_library, vox_service, vox_test, vox_fuzz;
 # vox_bench beside them, and vox_lcm_types for lcmtypes/.
 
+include(GNUInstallDirs)
 set(CMAKE_CXX_EXTENSIONS OFF)
 set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
 set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
@@ -42,9 +43,13 @@ function(vox_library name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;DEPS;PRIVATE_DEPS")
   if(arg_SOURCES)
     add_library(vox_${name} STATIC ${arg_SOURCES})
-    target_include_directories(vox_${name} PUBLIC ${PROJECT_SOURCE_DIR}/libs)
-    target_link_libraries(vox_${name} PUBLIC ${arg_DEPS} PRIVATE vox_flags ${arg_PRIVATE_DEPS})
+    target_include_directories(vox_${name} PUBLIC
+      $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/libs>
+      $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/voxatlas/libs>)
+    target_link_libraries(vox_${name} PUBLIC ${arg_DEPS}
+                                      PRIVATE $<BUILD_INTERFACE:vox_flags> ${arg_PRIVATE_DEPS})
     target_compile_features(vox_${name} PUBLIC cxx_std_20)
+    set_target_properties(vox_${name} PROPERTIES EXPORT_NAME ${name})
   else()
     add_library(vox_${name} INTERFACE)
     target_include_directories(vox_${name} INTERFACE ${PROJECT_SOURCE_DIR}/libs)
@@ -142,7 +147,9 @@ function(vox_lcm_types name)
   add_custom_target(vox_${name}_generated DEPENDS ${headers})
   add_library(vox_${name} INTERFACE)
   add_dependencies(vox_${name} vox_${name}_generated)
-  target_include_directories(vox_${name} SYSTEM INTERFACE ${out})
+  target_include_directories(vox_${name} SYSTEM INTERFACE
+    $<BUILD_INTERFACE:${out}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  set_target_properties(vox_${name} PROPERTIES EXPORT_NAME ${name})
   # lcm-gen's decoders store a double through an int64_t*: under strict aliasing, once inlined, a
   # pose has been seen to keep its old numbers.
   target_compile_options(vox_${name} INTERFACE -fno-strict-aliasing)

@@ -21,6 +21,12 @@ REST_LOOKS, LOOK_SECONDS, PATIENCE_SECONDS = 4, 2, 180
 STAGES = ("fetch_ms", "build_ms", "draw_ms", "shade_ms", "encode_ms")
 
 
+def default_out():
+    """In a source tree with what is built there; installed, where one stands."""
+    built = ROOT / "build"
+    return built / "demo" if (ROOT / "CMakeLists.txt").exists() else pathlib.Path("voxatlas-demo")
+
+
 def parse(arguments):
     parser = argparse.ArgumentParser(
         prog="demo", allow_abbrev=False, description="The main job of voxatlas, end to end, on a "
@@ -39,8 +45,8 @@ def parse(arguments):
     parser.add_argument("--cache-mb", metavar="B", type=int, default=512,
                         help="budget of each tile store's cache, megabytes [%(default)s]")
     parser.add_argument("--size", default="1280x720", help="of the pictures [%(default)s]")
-    parser.add_argument("--out", metavar="DIR", type=pathlib.Path, default=ROOT / "build" / "demo",
-                        help="where pictures, hashes and logs go [build/demo]")
+    parser.add_argument("--out", metavar="DIR", type=pathlib.Path, default=default_out(),
+                        help="where pictures, hashes and logs go [%(default)s]")
     parser.add_argument("--json", metavar="FILE", type=pathlib.Path,
                         help="the figures of the table, for programs")
     parser.add_argument("--keep-model", action="store_true", help="leave the model in OUT")

@@ -31,7 +31,9 @@ class SetError(Exception):
 
 
 def default_bin_dir():
-    return pathlib.Path(os.environ.get("VOX_BIN_DIR") or ROOT / "build" / "release" / "bin")
+    """VOX_BIN_DIR, else what was built here, else PREFIX/bin beside PREFIX/share/voxatlas."""
+    here = ROOT / "build" / "release" if (ROOT / "CMakeLists.txt").exists() else ROOT.parent.parent
+    return pathlib.Path(os.environ.get("VOX_BIN_DIR") or here / "bin")
 
 
 def start_process(command, env, ended, **options):

@@ -84,11 +84,6 @@ class Setup(harness.SystemTest):
         self.assertEqual(done.returncode, 1)
         self.assertIn("Could not resolve", done.stderr)
 
-    def test_to_run_needs_no_compiler(self):
-        self.setup_as(0, "--runtime")
-        self.assertIn("librocksdb7.8", self.asked()[1])
-        self.assertNotIn("g++", self.asked()[1])
-
 
 if __name__ == "__main__":
     harness.main()
