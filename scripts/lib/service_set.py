@@ -21,6 +21,8 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 # Those that send stop before those that receive, and the bus last; they start the other way round.
 STOP_ORDER = ["ingest", "render", "compress", "tilestore", "hub"]
 STOP_SECONDS = 60
+# A signal that comes just before Python begins to wait is only seen after the wait: so none is long.
+LONGEST_WAIT_SECONDS = 0.5
 READY_SECONDS = 60
 PR_SET_PDEATHSIG = 1
 _libc = ctypes.CDLL(None)
@@ -215,11 +217,18 @@ class ServiceSet:
         try:
             while process.poll() is None:
                 self.check_alive()
-                self.ended.get()
+                self.wait_for_an_end()
         finally:
             if process.poll() is None:
                 process.kill()
                 process.wait()
+
+    def wait_for_an_end(self, seconds=LONGEST_WAIT_SECONDS):
+        """Returns when a process has ended, or a little later: look what is true now."""
+        try:
+            self.ended.get(timeout=min(seconds, LONGEST_WAIT_SECONDS))
+        except queue.Empty:
+            pass
 
     def check_alive(self):
         for service in self.services:
