@@ -43,7 +43,7 @@ def parse(arguments):
     parser.add_argument("--stores", metavar="N", type=int, default=1, help="tile stores [1]")
     parser.add_argument("--ingest", metavar="M", type=int, default=1, help="ingests [1]")
     parser.add_argument("--cache-mb", metavar="B", type=int, default=512,
-                        help="budget of each tile store's cache, megabytes [%(default)s]")
+                        help="budget of each tile store's memory, MiB [%(default)s]")
     parser.add_argument("--size", default="1280x720", help="of the pictures [%(default)s]")
     parser.add_argument("--out", metavar="DIR", type=pathlib.Path, default=default_out(),
                         help="where pictures, hashes and logs go [%(default)s]")
@@ -146,7 +146,7 @@ def run(options, model):
     figures = {"published": published, "frames": frames, "model": model_stat,
                "encoded_bytes_before_compression": fresh_bytes,
                "restart_seconds": restart, "tilestore_peak_bytes": memory,
-               "cache_bytes": options.cache_mb * 1_000_000}
+               "cache_bytes": options.cache_mb << 20}
     return figures, list(losses(figures, before, after))
 
 
