@@ -56,11 +56,7 @@ Result<std::vector<TileChange>> Atlas::commit(std::span<const ShardScan> scans) 
   return state_->commit(scans);
 }
 
-Status Atlas::check_scan(const ShardScan& scan) const {
-  auto decoded = state_->decode(scan);
-  if (!decoded) return pass_on(decoded);
-  return {};
-}
+Status Atlas::check_scan(const ShardScan& scan) const { return state_->check_scan(scan); }
 
 std::int64_t Atlas::mark(const std::string& source, std::int64_t session) const {
   return state_->mark({source, session});

@@ -31,9 +31,7 @@ Status Atlas::State::check_place(const ShardScan& scan, TileKey key) const {
                                                   name_of_scan(scan), key.morton(), owner, shard));
 }
 
-Result<std::vector<TileDelta>> Atlas::State::decode(const ShardScan& scan) const {
-  std::vector<TileDelta> deltas;
-  deltas.reserve(scan.deltas.size());
+Status Atlas::State::check_scan(const ShardScan& scan) const {
   const TileKey* before = nullptr;
   for (const auto& [key, bytes] : scan.deltas) {
     if (auto ok = check_place(scan, key); !ok) return pass_on(ok);
@@ -43,18 +41,16 @@ Result<std::vector<TileDelta>> Atlas::State::decode(const ShardScan& scan) const
                               before->morton()));
     }
     before = &key;
-    auto delta = decode_delta(bytes);
-    if (!delta) {
+    if (auto delta = decode_delta(bytes); !delta) {
       return pass_on(delta, fmt::format("{}, tile {:#x}", name_of_scan(scan), key.morton()));
     }
-    deltas.push_back(std::move(*delta));
   }
-  return deltas;
+  return {};
 }
 
-Result<std::vector<Atlas::State::Fresh>> Atlas::State::fresh_scans(
+Result<std::vector<const ShardScan*>> Atlas::State::fresh_scans(
     std::span<const ShardScan> scans) const {
-  std::vector<Fresh> fresh;
+  std::vector<const ShardScan*> fresh;
   Marks ahead;  // Where this very commit has got to.
   for (const auto& scan : scans) {
     const Session session{scan.source, scan.session};
@@ -64,9 +60,8 @@ Result<std::vector<Atlas::State::Fresh>> Atlas::State::fresh_scans(
       return fail(ErrorCode::kInvalid,
                   fmt::format("{}: a gap, the last one applied is {}", name_of_scan(scan), last));
     }
-    auto deltas = decode(scan);
-    if (!deltas) return pass_on(deltas);
-    fresh.push_back({&scan, std::move(*deltas)});
+    if (auto sound = check_scan(scan); !sound) return pass_on(sound);
+    fresh.push_back(&scan);
     last = scan.seq;
   }
   return fresh;
@@ -80,10 +75,11 @@ Status Atlas::State::make_room() {
 
 /// The version of every tile that these scans touch, 0 where never written; read into memory as
 /// far as the budget goes, so that applying need not read.
-Result<Atlas::State::Versions> Atlas::State::current_versions(const std::vector<Fresh>& scans) {
+Result<Atlas::State::Versions> Atlas::State::current_versions(
+    const std::vector<const ShardScan*>& scans) {
   Versions versions;
-  for (const auto& fresh : scans) {
-    for (const auto& [key, bytes] : fresh.scan->deltas) versions.emplace(key, 0);
+  for (const auto* scan : scans) {
+    for (const auto& [key, bytes] : scan->deltas) versions.emplace(key, 0);
   }
   constexpr std::size_t kReadAtOnce = 32;
   std::vector<TileKey> missing;
@@ -104,12 +100,12 @@ Result<Atlas::State::Versions> Atlas::State::current_versions(const std::vector<
 }
 
 /// One record a scan, all in one append. Returns the first one's position.
-Result<JournalPosition> Atlas::State::append(const std::vector<Fresh>& scans, Versions versions) {
+Result<JournalPosition> Atlas::State::append(const std::vector<const ShardScan*>& scans,
+                                             Versions versions) {
   std::vector<Bytes> records;
-  for (const auto& fresh : scans) {
-    const auto& scan = *fresh.scan;
-    JournalRecord record{scan.source, scan.session, scan.seq, {}};
-    for (const auto& [key, bytes] : scan.deltas) {
+  for (const auto* scan : scans) {
+    JournalRecord record{scan->source, scan->session, scan->seq, {}};
+    for (const auto& [key, bytes] : scan->deltas) {
       record.deltas.push_back({key, ++versions.at(key), bytes});
     }
     records.push_back(encode_record(record));
@@ -121,19 +117,20 @@ Result<JournalPosition> Atlas::State::append(const std::vector<Fresh>& scans, Ve
   return first;
 }
 
-/// The record is durable: what cannot be applied now is applied by a recovery.
-Status Atlas::State::apply(const Fresh& fresh, JournalPosition position,
+/// The record is durable: what cannot be applied now is applied by a recovery. A delta is decoded
+/// when its tile's turn comes: all of a carving scan's at once are some 30 MB.
+Status Atlas::State::apply(const ShardScan& scan, JournalPosition position,
                            std::vector<TileChange>& changes) {
-  const auto& scan = *fresh.scan;
-  for (std::size_t i = 0; i < scan.deltas.size(); ++i) {
-    const TileKey key = scan.deltas[i].first;
+  for (const auto& [key, bytes] : scan.deltas) {
+    auto delta = decode_delta(bytes);
+    if (!delta) return pass_on(delta);  // check_scan has decoded it before.
     auto tile = load(key);
     if (!tile) return pass_on(tile);
     if (*tile == nullptr) *tile = &cache.insert(key, {}, 0);
-    (*tile)->tree.apply(fresh.deltas[i], parameters.sensor);
+    (*tile)->tree.apply(*delta, parameters.sensor);
     cache.changed(key, position);
     rested.remove(key);
-    changes.push_back({key, (*tile)->version, scan.deltas[i].second});
+    changes.push_back({key, (*tile)->version, bytes});
     if (auto ok = keep_budget(key); !ok) say_behind(ok.error());
     ++counts.deltas_applied;
   }
@@ -144,15 +141,15 @@ Status Atlas::State::apply(const Fresh& fresh, JournalPosition position,
 
 /// After an append whose outcome is not known, or an apply that failed: asks the store. If it has
 /// these scans, all is well; otherwise the error stands, and the next call asks again.
-Result<std::vector<TileChange>> Atlas::State::read_back(const std::vector<Fresh>& scans,
+Result<std::vector<TileChange>> Atlas::State::read_back(const std::vector<const ShardScan*>& scans,
                                                         Error error) {
   stale = true;
   if (auto recovered = recover(); !recovered) {
     error.message += "; reading back: " + recovered.error().message;
     return tl::unexpected(std::move(error));
   }
-  for (const auto& fresh : scans) {
-    if (mark({fresh.scan->source, fresh.scan->session}) < fresh.scan->seq) {
+  for (const auto* scan : scans) {
+    if (mark({scan->source, scan->session}) < scan->seq) {
       return tl::unexpected(std::move(error));
     }
   }
@@ -179,7 +176,7 @@ Result<std::vector<TileChange>> Atlas::State::commit(std::span<const ShardScan> 
   }
   auto changes = std::exchange(unreported, {});
   for (std::size_t i = 0; i < fresh->size(); ++i) {
-    auto applied = apply((*fresh)[i], *first + i, changes);
+    auto applied = apply(*(*fresh)[i], *first + i, changes);
     if (!applied) return read_back(*fresh, std::move(applied.error()));
   }
   reported = journal.last();

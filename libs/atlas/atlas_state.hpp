@@ -22,12 +22,6 @@ struct Atlas::State {
   using Marks = std::map<Session, std::int64_t>;
   using Versions = std::map<TileKey, std::uint64_t>;
 
-  /// A scan of a commit that is not a duplicate, decoded.
-  struct Fresh {
-    const ShardScan* scan;
-    std::vector<TileDelta> deltas;
-  };
-
   State(TileStore& store_of, ShardId shard_of, const ModelParameters& parameters_of,
         const AtlasOptions& options_of)
       : store(store_of),
@@ -71,14 +65,15 @@ struct Atlas::State {
   // atlas_commit.cpp
   std::int64_t mark(const Session& session) const;
   Result<std::vector<TileChange>> commit(std::span<const ShardScan> scans);
-  Result<std::vector<TileDelta>> decode(const ShardScan& scan) const;
+  Status check_scan(const ShardScan& scan) const;
   Status check_place(const ShardScan& scan, TileKey key) const;
-  Result<std::vector<Fresh>> fresh_scans(std::span<const ShardScan> scans) const;
-  Result<Versions> current_versions(const std::vector<Fresh>& scans);
+  /// Those that are no duplicates, checked.
+  Result<std::vector<const ShardScan*>> fresh_scans(std::span<const ShardScan> scans) const;
+  Result<Versions> current_versions(const std::vector<const ShardScan*>& scans);
   Status make_room();
-  Result<JournalPosition> append(const std::vector<Fresh>& scans, Versions versions);
-  Status apply(const Fresh& scan, JournalPosition position, std::vector<TileChange>& changes);
-  Result<std::vector<TileChange>> read_back(const std::vector<Fresh>& scans, Error error);
+  Result<JournalPosition> append(const std::vector<const ShardScan*>& scans, Versions versions);
+  Status apply(const ShardScan& scan, JournalPosition position, std::vector<TileChange>& changes);
+  Result<std::vector<TileChange>> read_back(const std::vector<const ShardScan*>& scans, Error error);
 
   // atlas_flush.cpp
   Status write_oldest(std::size_t max_tiles);

@@ -9,12 +9,12 @@ namespace voxatlas {
 /// How the memory of a process that keeps one shard is divided.
 ///
 /// The parts make up the budget; the process stays within 1.5 times the budget, whatever the
-/// model's size. The half beside it is for the program itself (some 30 MiB of code and stacks), for
-/// what the allocator cannot hand out again, and for the one scan that is larger than its part.
-/// Units: bytes.
+/// model's size. The half beside it is for the program itself (20 MiB of code), for what the
+/// allocator keeps to hand out again (25 MiB where tiles come and go), and for the one scan that is
+/// larger than its part. Units: bytes.
 struct MemoryPlan {
-  /// Below this the program itself would be most of what is resident.
-  static constexpr std::size_t kLeastBudget = std::size_t{64} << 20;
+  /// Below this what lies beside the budget would be more than half of it.
+  static constexpr std::size_t kLeastBudget = std::size_t{128} << 20;
 
   std::size_t tiles = 0;          ///< AtlasOptions::cache_bytes.
   std::size_t store = 0;          ///< RocksDbOptions::memory_bytes.

@@ -31,7 +31,7 @@ class BrickPool {
   std::size_t memory_bytes() const;
 
  private:
-  static constexpr std::size_t kSlab = 8;
+  static constexpr std::size_t kSlab = 15;  // 16 320 bytes: allocators hand out 16 KiB for them.
   using Slab = std::array<Brick, kSlab>;
 
   std::vector<std::unique_ptr<Slab>> slabs_;

@@ -15,7 +15,7 @@ class Pipeline(harness.SystemTest):
         out = self.folder / "out"
         done = subprocess.run(
             [sys.executable, "-B", harness.SCRIPTS / "lib" / "demo.py", "--scans", "3", "--size",
-             "320x180", "--cache-mb", "64", "--out", out, "--json", self.folder / "figures.json",
+             "320x180", "--cache-mb", "128", "--out", out, "--json", self.folder / "figures.json",
              *options], capture_output=True, text=True, check=False, stdin=subprocess.DEVNULL)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         return out, json.loads((self.folder / "figures.json").read_text())

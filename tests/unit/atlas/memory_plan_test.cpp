@@ -22,7 +22,7 @@ TEST_CASE("the parts of a memory budget fit into it, and grow with it", "[atlas]
 TEST_CASE("a memory budget that cannot be kept is refused with both numbers", "[atlas]") {
   const auto refused = MemoryPlan::of(MemoryPlan::kLeastBudget - 1);
   REQUIRE(refused.error().code == ErrorCode::kOutOfRange);
-  REQUIRE(refused.error().message.find("64 MiB") != std::string::npos);
+  REQUIRE(refused.error().message.find("128 MiB") != std::string::npos);
   REQUIRE(MemoryPlan::of(MemoryPlan::kLeastBudget).has_value());
 }
 
