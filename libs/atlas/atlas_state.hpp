@@ -73,7 +73,8 @@ struct Atlas::State {
   Status make_room();
   Result<JournalPosition> append(const std::vector<const ShardScan*>& scans, Versions versions);
   Status apply(const ShardScan& scan, JournalPosition position, std::vector<TileChange>& changes);
-  Result<std::vector<TileChange>> read_back(const std::vector<const ShardScan*>& scans, Error error);
+  Result<std::vector<TileChange>> read_back(const std::vector<const ShardScan*>& scans,
+                                            Error error);
 
   // atlas_flush.cpp
   Status write_oldest(std::size_t max_tiles);

@@ -50,6 +50,7 @@ class StatusPublisher {
   StatusPublisher(Send send, std::string service, std::int32_t index);
 
   void set_state(bool ready, std::string state);
+  std::int64_t instance() const { return status_.instance; }
   /// Publishes where half a second has passed since the last time, or the state has changed.
   /// `counters` is called only then.
   Status pump(std::int64_t now, const std::function<StatusCounters()>& counters);

@@ -112,7 +112,7 @@ Status check_shape(const char* shape, ByteView bytes) {
 }
 
 #define VOX_CAMERA_SHAPE \
-  "88888888888"          \
+  "188888888888"         \
   "44"                   \
   "88"
 
@@ -122,11 +122,13 @@ template <> const char* shape_of<camera_t>() { return VOX_CAMERA_SHAPE; }
 template <> const char* shape_of<chunk_t>() { return "888884424nb"; }
 template <> const char* shape_of<counter_t>() { return "s8"; }
 template <> const char* shape_of<frame_t>() {
-  return "88881s" VOX_CAMERA_SHAPE "14488" "88888" "11nb";
+  return "8884" "8411s" VOX_CAMERA_SHAPE "181448884" "888888" "11nb" "18nb";
 }
 template <> const char* shape_of<model_reply_t>() { return "888488" "8nb"; }
 template <> const char* shape_of<model_request_t>() { return "888844s8"; }
-template <> const char* shape_of<render_request_t>() { return "8888" VOX_CAMERA_SHAPE "1s14"; }
+template <> const char* shape_of<render_request_t>() {
+  return "88881" VOX_CAMERA_SHAPE "84nb" "81s111" "1114";
+}
 template <> const char* shape_of<scan_delta_t>() { return "8s88884" "44nb"; }
 template <> const char* shape_of<scan_t>() { return "8s882288" "888888888888" "14nb"; }
 template <> const char* shape_of<status_t>() { return "8s484s1snC"; }

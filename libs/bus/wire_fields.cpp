@@ -87,9 +87,15 @@ Status check_fields(const counter_t&) {
 
 template <>
 Status check_fields(const frame_t& frame) {
-  if (frame.format != 0 && frame.format != 1) return expect(false, "format", frame.format, 0);
-  return expect(frame.error.empty() || frame.size == 0, "error with a picture: size", frame.size,
-                0);
+  if (frame.format < 0 || frame.format > 2) return expect(false, "format", frame.format, 2);
+  if (frame.depth_format < 0 || frame.depth_format > 2) {
+    return expect(false, "depth_format", frame.depth_format, 2);
+  }
+  if (frame.depth_format == 0 && frame.depth_size != 0) {
+    return expect(false, "no depth_format, but depth_size", frame.depth_size, 0);
+  }
+  return expect(frame.error.empty() || (frame.size == 0 && frame.depth_size == 0),
+                "error with a picture: size and depth_size", frame.size, frame.depth_size);
 }
 
 template <>
@@ -105,7 +111,9 @@ Status check_fields(const model_request_t& request) {
 
 template <>
 Status check_fields(const render_request_t& request) {
-  return expect(request.format == 0 || request.format == 1, "format", request.format, 0);
+  constexpr std::int32_t kPathRow = 64;
+  return expect(request.path_size % kPathRow == 0, "path_size and bytes a row", request.path_size,
+                kPathRow);
 }
 
 template <>

@@ -45,6 +45,9 @@ struct Jpeg {
   int quality = 0;  ///< 1..100, as libjpeg counts it.
 };
 
+/// Errors: kCorrupt for what is no JPEG, kOutOfRange for a picture of more than 2^25 pixels.
+Result<Image> decode_jpeg(ByteView bytes);
+
 /// A JPEG of at most `max_bytes`: at `quality` if that fits, else at a lower one, which the result
 /// states. Errors: kOutOfRange where it does not fit even at quality 1; kIo where TurboJPEG
 /// refuses.

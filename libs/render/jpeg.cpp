@@ -69,4 +69,28 @@ Result<Jpeg> encode_jpeg(const Image& image, int quality, std::size_t max_bytes)
   return best;
 }
 
+Result<Image> decode_jpeg(ByteView bytes) {
+  constexpr std::int64_t kMostPixels = std::int64_t{1} << 25;
+  const std::unique_ptr<void, int (*)(tjhandle)> handle(tjInitDecompress(), tjDestroy);
+  if (handle == nullptr) return fail(ErrorCode::kIo, "TurboJPEG does not start");
+  int width = 0, height = 0, sampling = 0, space = 0;
+  if (tjDecompressHeader3(handle.get(), bytes.data(), bytes.size(), &width, &height, &sampling,
+                          &space) != 0) {
+    return fail(ErrorCode::kCorrupt, fmt::format("{} bytes are no JPEG: {}", bytes.size(),
+                                                 tjGetErrorStr2(handle.get())));
+  }
+  if (std::int64_t{width} * height > kMostPixels) {
+    return fail(ErrorCode::kOutOfRange, fmt::format("a JPEG of {} x {} has more than {} pixels",
+                                                    width, height, kMostPixels));
+  }
+  Image image(width, height);
+  if (tjDecompress2(handle.get(), bytes.data(), bytes.size(),
+                    reinterpret_cast<unsigned char*>(image.pixels.data()), width, 3 * width, height,
+                    TJPF_RGB, 0) != 0) {
+    return fail(ErrorCode::kCorrupt,
+                fmt::format("a JPEG of {} x {}: {}", width, height, tjGetErrorStr2(handle.get())));
+  }
+  return image;
+}
+
 }  // namespace voxatlas

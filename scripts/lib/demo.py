@@ -18,7 +18,7 @@ from service_set import ServiceSet, SetError
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 VIEWS = ("street", "oblique")
 REST_LOOKS, LOOK_SECONDS, PATIENCE_SECONDS = 4, 2, 180
-STAGES = ("fetch_ms", "build_ms", "draw_ms", "shade_ms", "encode_ms")
+STAGES = ("wait_ms", "fetch_ms", "draw_ms", "shade_ms", "encode_ms")
 
 
 def default_out():

@@ -136,24 +136,66 @@ static void declare_publish(CLI::App& app, Command& command) {
 
 static void declare_render(CLI::App& app, Command& command) {
   CLI::App* sub = nullptr;
-  auto& options = add_command<RenderOptions>(app, sub, "render", "a picture of the model, as a PNG",
-                                             command, run_render);
+  auto& options = add_command<RenderOptions>(
+      app, sub, "render", "a picture of the model, or those along a path", command, run_render);
   add_url(*sub, options.url);
   sub->add_option("--view", options.view, "a view of what the model holds")
       ->check(CLI::IsMember({"street", "oblique"}))
       ->capture_default_str();
   auto* at =
       sub->add_option("--at", options.at, "stand at LAT,LON,HEIGHT instead (above the ellipsoid)");
-  sub->add_option("--heading", options.heading, "and look this way, degrees from north, east is 90")
-      ->needs(at);
+  auto* heading = sub->add_option("--heading", options.heading,
+                                  "and look this way, degrees from north, east is 90")
+                      ->needs(at);
+  sub->add_option("--look-at", options.look_at,
+                  "or at this place, LAT,LON,HEIGHT; of an orbit: its middle")
+      ->excludes(heading);
+  sub->add_option("--map", options.map,
+                  "orthographic instead, straight down, north up: so many metres from left to "
+                  "right, around --at or the model's middle")
+      ->check(CLI::Range(1.0, 2000.0));
+  auto* orbit =
+      sub->add_option("--orbit", options.orbit, "so many pictures, once round what the model holds")
+          ->check(CLI::Range(1, 900));
+  auto* path =
+      sub->add_option("--path", options.path,
+                      "file of a camera path: lines SECONDS LAT,LON,HEIGHT LAT,LON,HEIGHT, "
+                      "eye and what it looks at")
+          ->excludes(orbit)
+          ->excludes(at);
+  sub->add_option("--rate", options.rate, "pictures a second of the path")
+      ->check(CLI::Range(0.001, 1000.0))
+      ->needs(path)
+      ->capture_default_str();
+  sub->add_option("--fov", options.fov, "of --look-at and --path, degrees from top to bottom [60]")
+      ->check(CLI::Range(1.0, 170.0));
   sub->add_option("--size", options.size, "WIDTHxHEIGHT, pixels")->capture_default_str();
   sub->add_option("--depth", options.depth, "depth of the cells drawn: 0 to 7 (10 cm)")
       ->check(CLI::Range(0, 7))
       ->capture_default_str();
-  sub->add_option("--colouring", options.colouring, "rgb, height, probability or depth")
+  sub->add_option("--budget", options.budget,
+                  "milliseconds for a first picture, which better ones follow [0: the full one]")
+      ->check(CLI::NonNegativeNumber);
+  sub->add_option("--colouring", options.colouring,
+                  "rgb, height, probability ... (an error lists all)")
       ->capture_default_str();
-  sub->add_option("--out", options.out, "file to be written: a PNG, a JPEG with --broadcast")
+  sub->add_option("--backend", options.backend, "splat, or gl: OpenGL's points, to compare with")
+      ->check(CLI::IsMember({"splat", "gl"}))
+      ->capture_default_str();
+  sub->add_flag("--fill-holes", options.fill_holes, "close gaps between far cells");
+  sub->add_option("--free-depth", options.free_depth,
+                  "free cells of this depth as translucent grey, 1 to 7 [0: none]")
+      ->check(CLI::Range(0, 7));
+  sub->add_flag("--boxes", options.boxes, "draw the edges of tiles on top");
+  sub->add_flag("--axes", options.axes, "draw the axes of ECEF on top");
+  sub->add_flag("--north", options.north, "draw which way is north on top");
+  sub->add_flag("--scale", options.scale, "draw a bar of a round length on top");
+  sub->add_option("--out", options.out,
+                  "file to be written: .jpg, .raw (RGB), else PNG; a JPEG with --broadcast. Of a "
+                  "path or orbit the folder: frame_000000.png ...")
       ->required();
+  sub->add_option("--depth-image", options.depth_image,
+                  "file for distances: float32 metres row by row, or steps of uint16 in a .u16");
   sub->add_flag("--broadcast", options.broadcast,
                 "let everyone who watches frames see it too, as a JPEG of at most 150 kB");
   sub->add_option("--timeout", options.timeout, "seconds to wait for the picture")
@@ -204,6 +246,8 @@ static void declare_watch(CLI::App& app, Command& command) {
   };
   auto [frames, frame_options] = add("frames", "pictures that renderers broadcast", watch_frames);
   frames->add_option("--out", frame_options->out, "folder to keep the pictures in");
+  frames->add_flag("--blocks", frame_options->blocks,
+                   "show them in the terminal, in half-block characters of 24-bit colours");
   auto [tiles, tile_options] = add("tiles", "tiles that have changed", watch_tiles);
   declare_watch_tiles(*tiles, *tile_options);
   auto [status, status_options] =

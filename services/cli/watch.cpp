@@ -4,12 +4,6 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
-#include <cstdio>
-#include <filesystem>
-#include <fstream>
-#include <memory>
-#include <utility>
-
 #include "base/utime.hpp"
 #include "bus/channels.hpp"
 #include "cli/json_text.hpp"
@@ -29,58 +23,7 @@ std::size_t terminal_width() {
   return size.ws_col;
 }
 
-void print_frame(const frame_t& frame, bool json) {
-  if (!json) {
-    fmt::print("frame {}: {}x{}, depth {}, {} tiles, {} missing, {} bytes{}{}\n", frame.sequence,
-               frame.camera.width, frame.camera.height, frame.depth, frame.tiles,
-               frame.tiles_missing, frame.size, frame.error.empty() ? "" : ": ", frame.error);
-    return;
-  }
-  JsonObject line;
-  line.add("sequence", frame.sequence)
-      .add("client", frame.client)
-      .add("id", frame.id)
-      .add("width", std::int64_t{frame.camera.width})
-      .add("height", std::int64_t{frame.camera.height})
-      .add("depth", std::int64_t{frame.depth})
-      .add("tiles", std::int64_t{frame.tiles})
-      .add("tiles_missing", std::int64_t{frame.tiles_missing})
-      .add("final", std::int64_t{frame.final})
-      .add("bytes", std::int64_t{frame.size})
-      .add("error", frame.error);
-  fmt::print("{}\n", line.text());
-}
-
-Status keep_picture(const frame_t& frame, const std::string& folder) {
-  if (folder.empty() || frame.data.empty()) return {};
-  const auto path = std::filesystem::path(folder) / fmt::format("frame_{:06}.{}", frame.sequence,
-                                                                frame.format == 1 ? "png" : "jpg");
-  std::ofstream out(path, std::ios::binary);
-  out.write(reinterpret_cast<const char*>(frame.data.data()),
-            static_cast<std::streamsize>(frame.data.size()));
-  out.close();
-  if (!out) return fail(ErrorCode::kIo, fmt::format("{}: cannot be written", path.string()));
-  return {};
-}
-
 }  // namespace
-
-Status watch_frames(const WatchOptions& options) {
-  std::error_code failed;
-  if (!options.out.empty()) std::filesystem::create_directories(options.out, failed);
-  if (failed) {
-    return fail(ErrorCode::kIo, fmt::format("{}: {}", options.out, failed.message()));
-  }
-  std::int64_t seen = 0;
-  return watch_channel<frame_t>(
-      options, kFrameChannel,
-      [&](const frame_t& frame) {
-        ++seen;
-        print_frame(frame, options.json);
-        return keep_picture(frame, options.out);
-      },
-      [&] { return options.count > 0 && seen >= options.count; });
-}
 
 Status watch_status(const WatchOptions& options) {
   const bool is_table = !options.json && isatty(STDOUT_FILENO) == 1;

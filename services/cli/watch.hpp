@@ -12,6 +12,7 @@ struct WatchOptions {
   std::int64_t count = 0;        ///< Ends after so many messages; 0: never.
   std::string out;               ///< Frames: folder for their pictures; empty: none are kept.
   std::string only;              ///< Status: of this service alone, "render 0"; empty: of all.
+  bool blocks = false;           ///< Frames: show them in the terminal, as coloured blocks.
   std::int64_t until_ready = 0;  ///< Status: ends when so many services are ready; 0: never.
   double timeout = 0;            ///< Seconds, then it is an error; 0: none.
   bool json = false;             ///< One JSON object a line.

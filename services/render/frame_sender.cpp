@@ -10,12 +10,23 @@
 
 namespace voxatlas {
 
+std::int64_t FrameSender::under_way(const Link& link) {
+  const StreamProducer& producer = link.out->producer();
+  return producer.offered_messages() - producer.committed_messages();
+}
+
+bool FrameSender::has_room(std::int32_t reply_port, std::int64_t client) const {
+  if (reply_port == 0) return true;
+  const auto found = links_.find({reply_port, client});
+  return found == links_.end() ? links_.size() < kMaxLinks : under_way(found->second) < kMostFrames;
+}
+
 Status FrameSender::send(const OutgoingFrame& out, std::int64_t now) {
   if (out.reply_port == 0) return bus_.publish(kFrameChannel, out.frame);
   auto link = link_to(out.reply_port, out.frame.client);
   if (!link) return pass_on(link);
   StreamProducer& producer = (*link)->out->producer();
-  if (!producer.has_room()) {
+  if (under_way(**link) >= kMostFrames || !producer.has_room()) {
     return fail(ErrorCode::kUnavailable,
                 fmt::format("client at port {}: its stream is full", out.reply_port));
   }
@@ -49,7 +60,11 @@ bool FrameSender::done(const Link& link, std::int64_t now) {
 }
 
 Status FrameSender::pump(std::int64_t now) {
-  std::erase_if(links_, [now](const auto& link) { return done(link.second, now); });
+  std::erase_if(links_, [&](const auto& link) {
+    if (!done(link.second, now)) return false;
+    if (under_way(link.second) > 0) gone_.push_back(link.first.second);
+    return true;
+  });
   for (auto& [port, link] : links_) {
     if (auto pumped = link.out->pump(now); !pumped) return pumped;
   }

@@ -49,6 +49,9 @@ static void declare(CLI::App& app, RenderProcessOptions& options) {
       ->check(CLI::Range(1, 1'000'000))
       ->capture_default_str();
   app.add_flag_callback("--log-json", log_as_json, "log each event as one JSON object");
+  app.add_option("--threads", options.threads, "that paint, and as many that build trees")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
   app.set_config("--config", "", "read options from a TOML file");
   app.allow_config_extras(CLI::config_extras_mode::error);  // A misspelt key must not pass.
 }

@@ -14,6 +14,7 @@ struct RenderProcessOptions {
   std::int32_t index = 0;
   std::int32_t stores = 1;
   std::size_t cache_mb = 256;
+  std::size_t threads = 2;  ///< That paint, and as many that build trees.
 };
 
 /// The process: joins the bus, asks every shard for the model's parameters, then draws until a

@@ -2,31 +2,37 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "base/result.hpp"
-#include "bus/wire.hpp"
-#include "grid/grid.hpp"
-#include "render/image.hpp"
-#include "render/request_queue.hpp"
-#include "render/shade.hpp"
-#include "render/splatter.hpp"
+#include "render/renderer_roll.hpp"
+#include "render/tile_asker.hpp"
 #include "render/tile_directory.hpp"
-#include "render/tile_source.hpp"
 #include "render/tree_cache.hpp"
+#include "render/view.hpp"
 
 namespace voxatlas {
 
+/// One moment on both clocks, microseconds.
+struct Moment {
+  std::int64_t steady = 0;
+  std::int64_t utime = 0;
+};
+
 struct RenderConfig {
   std::size_t cache_bytes = std::size_t{256} << 20;
-  std::size_t threads = 2;                        ///< That draw and shade.
-  std::size_t jpeg_bytes = 150'000;               ///< Of a broadcast frame's picture, at most.
-  int jpeg_quality = 85;                          ///< Where that fits.
-  std::size_t png_bytes = std::size_t{60} << 20;  ///< What a reliable stream's consumer takes.
-  std::int64_t fetch_us = 3'000'000;              ///< For all tiles of a picture.
+  QuestionLimits limits;
+  std::int32_t index = 0;     ///< Of this renderer, told in its frames.
+  std::int64_t instance = 1;  ///< status_t's.
+  std::size_t builds = 4;     ///< Jobs given out at once: no more, so that what matters goes first.
+  /// Whether a client's stream takes another frame now.
+  std::function<bool(std::int32_t reply_port, std::int64_t client)> has_room =
+      [](std::int32_t, std::int64_t) { return true; };
 };
 
 /// A frame and where it goes.
@@ -35,60 +41,107 @@ struct OutgoingFrame {
   std::int32_t reply_port = 0;  ///< 0: to everyone, on VOXATLAS_FRAME; else by reliable stream.
 };
 
-/// Draws what is asked for: requests and tile updates in, frames out.
+/// Answers requests for pictures: messages, trees and pictures in; frames, questions and jobs out.
+/// A state machine: it never waits, knows no network, no thread and no clock.
 ///
-/// Order:   the newest request of each client, clients in turn. Every request that is not replaced,
-///          refused (too many clients) or past its deadline is answered, a bad one by a frame
-///          without picture whose `error` says why.
-/// Tiles:   those in view, nearest first, of the newest version known from listings and updates;
-///          what does not come in time, or has no room in the cache, is counted in tiles_missing;
-///          an older version that is here is drawn instead.
-/// Threads: one at a time; `source` may call on_request and on_tile_update while it waits.
+/// Clients: the newest request of each is answered (one that is already answered is not begun
+///          again), clients in turn, a picture each: who asks a thousand times a second delays no
+///          other. A picture that is being painted is finished and sent, unless it is cancelled.
+///          A bad request is answered by a frame without picture whose `error` says why.
+/// Tiles:   those in view of every client, nearest first, coarse trees before fine ones.
+/// Others:  of several renderers one answers each client (RendererRoll).
+/// Memory:  the cache's budget; kMaxClients requests; a further client's is refused.
+/// Threads: one at a time.
 class RenderService {
  public:
-  RenderService(const Grid& grid, TileSource source, const RenderConfig& config)
-      : grid_(grid),
-        source_(std::move(source)),
-        config_(config),
-        splatter_(config.threads),
-        cache_(config.cache_bytes) {}
+  static constexpr std::size_t kMaxClients = 64;
+  static constexpr std::int64_t kErrorGap = 10'000;  ///< Between answers to bad requests.
 
-  void on_request(const render_request_t& request);
-  void on_tile_update(const tile_update_t& update);
+  RenderService(const Grid& grid, const AskerConfig& asker, RenderConfig config);
 
-  bool idle() const { return queue_.empty(); }
-  /// Draws the next picture, if one waits whose deadline (utime) has not passed.
-  std::optional<OutgoingFrame> work();
+  void on_request(const render_request_t& request, Moment now);
+  void on_tile_update(const tile_update_t& update, Moment now);
+  void on_status(const status_t& status, Moment now) { roll_.on_status(status, now.steady); }
+  void on_tiles_reply(const tiles_reply_t& reply, Moment now);
+  void on_tile_reply(const tile_reply_t& reply, Moment now);
+  void on_built(BuiltTile built, Moment now);
+  void on_painted(PaintedPicture picture, Moment now);
+  /// A client whose stream is given up.
+  void on_gone(std::int64_t client);
 
-  std::vector<std::pair<std::string, double>> counters() const;
+  /// What is to be done now. Every job comes back by on_built() or on_painted().
+  struct Output {
+    std::vector<OutgoingFrame> frames;
+    TileAsker::Questions questions;
+    std::vector<BuildJob> builds;
+    std::optional<PaintJob> paint;  ///< One at a time.
+  };
+  Output advance(Moment now);
+  /// When advance() has something to do though nothing came in.
+  std::int64_t next_time(std::int64_t now) const;
+
+  std::vector<std::pair<std::string, double>> counters(std::int64_t now) const;
 
  private:
-  struct Tiles {
-    std::vector<PlacedTree> trees;
-    std::int32_t missing = 0;
-    std::uint64_t newest = 0;
+  struct Client {
+    std::unique_ptr<View> view;  // Null: nothing is asked.
+    Pacer pacer;
+    std::uint64_t served = 0;  // In which turn.
+    camera_t asked_camera{};
+    Sight sight;
+    std::uint64_t surveyed = 0;  // The generation then, and when.
+    std::int64_t surveyed_at = 0, lacking_since = 0;
+    std::int32_t surveyed_place = -1;
+    std::vector<TileKey> asks, coarse, fine, rough;  // Of what is missing: nearest first.
+  };
+  using Clients = std::map<std::int64_t, Client>;
+  struct Painting {
+    std::int64_t client = 0;
+    std::unique_ptr<View> orphan;  // The view, where a newer request has taken its place.
+    Shot shot;
+    std::int64_t begun = 0;
+    double fetch_ms = 0;
+    bool unwanted = false;
   };
 
-  Status draw(const render_request_t& request, frame_t& frame);
-  Status encode(const Image& image, frame_t& frame) const;
-  Result<Tiles> gather(const Camera& camera, frame_t& frame);
-  Result<Image> paint(const Camera& camera, const Tiles& tiles, int depth, Colouring colouring,
-                      frame_t& frame);
-  Result<std::vector<TileKey>> look_up(const Camera& camera, std::int64_t until);
-  void fetch(const std::vector<TileKey>& batch, std::int64_t until);
-  void place(const std::vector<TileKey>& batch, Tiles& tiles);
+  void begin(Client& client, const render_request_t& request, Moment now);
+  void drop(Client& client);
+  void discard_painting(std::int64_t client);
+  void refuse(const render_request_t& request, std::string why);
+  void forget_clients();
+  void take_arrivals(Moment now);
+
+  void survey(Client& client, Moment now);
+  void survey_tiles(Client& client, const TileDirectory::View& seen, Moment now);
+  bool needs_survey(const Client& client, Moment now) const;
+  void ask_for_tiles(Moment now);
+  void give_builds(Output& out);
+  void give_paint(Output& out, Moment now);
+  bool paint_of(Clients::iterator client, Output& out, Moment now);
+  void give_refusals(Output& out, Moment now);
+  OutgoingFrame frame_of(const View& view, const View::Mark& mark, PaintedPicture& picture,
+                         Moment now) const;
 
   Grid grid_;
-  TileSource source_;
   RenderConfig config_;
-  Splatter splatter_;
-  TreeCache cache_;
+  RendererRoll roll_;
   TileDirectory directory_;
-  RequestQueue queue_;
-  std::int64_t sequence_ = 0;
-  std::uint64_t requests_ = 0, replaced_ = 0, refused_ = 0, expired_ = 0, bad_ = 0;
-  std::uint64_t frames_ = 0, tiles_fetched_ = 0, tiles_missing_ = 0, tiles_broken_ = 0;
-  double last_frame_ms_ = 0;
+  TileAsker asker_;
+  TreeCache cache_;
+  Clients clients_;
+  std::map<std::int64_t, OutgoingFrame> refusals_;  // By client, its latest.
+  std::vector<OutgoingFrame> ready_;
+  std::optional<Painting> painting_;
+  std::size_t building_ = 0;
+  std::uint64_t generation_ = 1;  // Grows with all that may change what is to be seen.
+  std::uint64_t turn_ = 0, tickets_ = 0;
+  std::int64_t refused_at_ = 0;
+
+  struct Counts {
+    std::uint64_t requests = 0, replaced = 0, refused = 0, expired = 0, elsewhere = 0, failed = 0;
+    std::uint64_t frames = 0, over_budget = 0, fetched = 0, built = 0, missing = 0;
+    double last_frame_ms = 0;
+  } counts_;
 };
 
 }  // namespace voxatlas

@@ -1,62 +1,269 @@
 #include "render/tree_cache.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <utility>
-#include <vector>
 
-#include "codec/tile_codec.hpp"
+#include "base/log.hpp"
 
 namespace voxatlas {
+namespace {
 
-std::size_t TreeCache::Tile::bytes() const {
-  return sizeof(Tile) + encoded.capacity() + (tree ? tree->memory_bytes() : 0);
+constexpr std::size_t kMostChanges = 256;  // Further ones: fetching the tile is cheaper.
+constexpr std::int64_t kTrimEvery = 100'000;
+/// A tile that came and is not new enough is not asked for again at once: whoever told of a newer
+/// version may have been wrong.
+constexpr std::int64_t kAskGap = 50'000;
+constexpr std::uint64_t kNeverWritten = ~std::uint64_t{0};
+
+}  // namespace
+
+void TreeCache::Tile::drop_source() {
+  bytes.reset();
+  live.reset();
+  lost_track = lent;
+  lent = false;
+  changes.clear();
 }
 
-void TreeCache::put(TileKey key, std::uint64_t version, Bytes bytes) {
-  Tile& tile = tiles_[key];
-  if (tile.version >= version) return;
-  if (tile.version != 0) bytes_ -= tile.bytes();
-  tile.version = version;
-  tile.encoded = std::move(bytes);
-  tile.tree.reset();
-  tile.picture = picture_;
-  bytes_ += tile.bytes();
+void TreeCache::take(ArrivedTile arrived, std::int64_t now) {
+  Tile& tile = tiles_[arrived.key];
+  if (tile.used_at == 0) tile.used_at = now;
+  tile.ask_again_at = now + kAskGap;
+  if (arrived.version == 0) {
+    tile.broken = kNeverWritten;
+    return;
+  }
+  if (arrived.depth < kDepth) {
+    if (tile.tree || tile.has_source()) return;
+    tile.coarse = std::make_shared<const Bytes>(std::move(arrived.bytes));
+    tile.coarse_version = arrived.version;
+    tile.ask_again_at = now;
+    return count(tile);
+  }
+  if (tile.has_source() && arrived.version <= tile.reach) return;
+  const std::uint64_t after =
+      tile.reach > arrived.version ? tile.reach - arrived.version : 0;  // Changes still to apply.
+  auto changes = std::exchange(tile.changes, {});
+  tile.drop_source();
+  tile.bytes = std::make_shared<const Bytes>(std::move(arrived.bytes));
+  tile.reach = arrived.version;
+  if (after > 0 && after <= changes.size()) {
+    changes.erase(changes.begin(), changes.end() - static_cast<std::ptrdiff_t>(after));
+    tile.changes = std::move(changes);
+    tile.reach += after;
+  }
+  count(tile);
 }
 
-std::uint64_t TreeCache::version(TileKey key) const {
-  const auto found = tiles_.find(key);
-  return found == tiles_.end() ? 0 : found->second.version;
+void TreeCache::update(Update update, std::int64_t now) {
+  const auto found = tiles_.find(update.key);
+  if (found == tiles_.end()) return;  // Nobody has looked at it.
+  Tile& tile = found->second;
+  if (update.version <= tile.reach || update.version <= tile.shown()) return;
+  tile.lives = true;
+  tile.changed_at = now;
+  auto& since = tile.building ? tile.stale_next : tile.stale_since;
+  if (since == 0) since = update.utime;
+  constexpr int kDelta = 1, kWhole = 2;
+  if (update.content == kWhole) {
+    return take(ArrivedTile{update.key, update.version, std::move(update.payload), kDepth}, now);
+  }
+  if (now - tile.used_at > kKeepLive) {  // Nobody looks: it is asked for when somebody does.
+    tile.drop_source();
+    tile.reach = 0;
+    return count(tile);
+  }
+  const bool follows = update.version == tile.reach + 1 && tile.changes.size() < kMostChanges;
+  if (!follows) tile.drop_source();  // One was lost, or there was none yet.
+  if (update.content == kDelta) {
+    tile.changes.push_back(std::move(update.payload));
+    tile.reach = update.version;
+  } else {
+    tile.drop_source();
+    tile.reach = 0;
+  }
+  count(tile);
 }
 
-Result<const RenderTree*> TreeCache::tree(TileKey key) {
+TreeCache::Standing TreeCache::look(TileKey key, std::uint64_t newest, std::int64_t now,
+                                    int free_depth) {
+  Standing standing;
   const auto found = tiles_.find(key);
   if (found == tiles_.end()) {
-    return fail(ErrorCode::kNotFound, fmt::format("tile {:#x} is not in the cache", key.morton()));
+    standing.must_ask = true;
+    standing.ask_depth = kCoarse;
+    return standing;
   }
   Tile& tile = found->second;
-  tile.picture = picture_;
-  if (!tile.tree) {
-    auto decoded = decode_tile(tile.encoded);
-    if (!decoded) return pass_on(decoded, fmt::format("tile {:#x}", key.morton()));
-    tile.tree.emplace(*decoded, tile.version);
-    bytes_ += tile.tree->memory_bytes();
+  tile.used_at = now;
+  settle(tile, now);
+  if (free_depth > 0) {
+    tile.free_wanted = free_depth;
+    if (tile.free && tile.free->depth() == free_depth) standing.free = tile.free;
+    if (!standing.free) tile.fine = false;  // Once more, with its free cells.
   }
-  return &*tile.tree;
+  standing.tree = tile.tree;
+  standing.stale_since = tile.stale_since;
+  standing.fine = tile.fine;
+  standing.serial = tile.serial;
+  standing.complete = (tile.fine && tile.shown() >= newest) || tile.broken >= newest;
+  standing.smooth = standing.complete && !tile.rough && !tile.building;
+  if (standing.complete || tile.building) return standing;
+  if (tile.has_source() && tile.reach < newest) {  // Changes were lost: a listing says so.
+    tile.drop_source();
+    count(tile);
+  }
+  standing.must_ask = !tile.has_source() && now >= tile.ask_again_at;
+  if (!tile.tree && !tile.coarse && tile.broken == 0) standing.ask_depth = kCoarse;
+  standing.must_build = tile.has_source() || (tile.coarse && !tile.tree);
+  return standing;
 }
 
-void TreeCache::trim() {
-  if (bytes_ <= budget_) return;
-  std::vector<std::pair<std::uint64_t, TileKey>> oldest_first;
-  for (const auto& [key, tile] : tiles_) {
-    if (tile.picture != picture_) oldest_first.emplace_back(tile.picture, key);
+std::optional<BuildJob> TreeCache::job(TileKey key) {
+  const auto found = tiles_.find(key);
+  if (found == tiles_.end()) return std::nullopt;
+  Tile& tile = found->second;
+  const bool news = tile.shown() < tile.reach || !tile.fine;
+  if (tile.building) return std::nullopt;
+  if (tile.rough && tile.fine && !(news && tile.has_source())) return border_job(key, tile);
+  if (tile.coarse && !tile.tree) return coarse_job(key, tile);
+  if (!tile.has_source() || !news) return std::nullopt;
+  BuildJob job{key, tile.reach, nullptr, {}, {}, kDepth, tile.lives, tile.free_wanted, nullptr, {}};
+  if (!tile.tree) job.depth = kCoarse;
+  if (tile.live) {
+    job.tile = std::move(tile.live);
+    tile.live.reset();
+  } else {
+    job.bytes = tile.bytes;
+  }
+  job.changes = std::exchange(tile.changes, {});
+  job.keep = job.keep || !job.changes.empty() || job.tile.has_value();
+  if (job.keep) {
+    tile.bytes.reset();
+    tile.lent = true;
+  }
+  tile.building = true;
+  tile.stale_next = 0;
+  count(tile);
+  return job;
+}
+
+/// Calls visit(offset, index) for the 26 tiles around one, those beyond the grid's lower end too.
+template <class Visit>
+static void for_each_around(TileKey key, Visit visit) {
+  const Index3 at = key.index();
+  for (int i = 0; i < 27; ++i) {
+    const Eigen::Vector3i offset(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
+    Index3 index = at;
+    for (std::size_t axis = 0; axis < 3; ++axis) {  // Below 0 it wraps round and is refused.
+      index[axis] += static_cast<std::uint32_t>(offset[static_cast<Eigen::Index>(axis)]);
+    }
+    const auto around = TileKey::from_index(index);
+    if (i != 13 && around) visit(offset, *around);
+  }
+}
+
+BuildJob TreeCache::coarse_job(TileKey key, Tile& tile) {
+  BuildJob job{
+      key, tile.coarse_version, std::exchange(tile.coarse, nullptr), {}, {}, kCoarse, false, 0, {},
+      {}};
+  tile.building = true;
+  tile.stale_next = 0;
+  return job;
+}
+
+BuildJob TreeCache::border_job(TileKey key, Tile& tile) {
+  BuildJob job{key, tile.shown(), nullptr, {}, {}, kDepth, false, 0, tile.tree, {}};
+  for_each_around(key, [&](const Eigen::Vector3i& offset, TileKey around) {
+    const auto found = tiles_.find(around);
+    if (found != tiles_.end() && found->second.fine) {
+      job.around.emplace_back(offset, found->second.tree);
+    }
+  });
+  tile.rough = false;
+  tile.building = true;
+  tile.stale_next = 0;
+  return job;
+}
+
+void TreeCache::roughen_around(TileKey key) {
+  for_each_around(key, [&](const Eigen::Vector3i&, TileKey around) {
+    if (const auto found = tiles_.find(around); found != tiles_.end()) found->second.rough = true;
+  });
+}
+
+void TreeCache::take(BuiltTile built, std::int64_t now) {
+  const auto found = tiles_.find(built.key);
+  if (found == tiles_.end()) return;  // Never: what is being built stays.
+  Tile& tile = found->second;
+  const bool kept_track = !std::exchange(tile.lost_track, false);
+  tile.building = false;
+  if (!built.sound) {
+    ++broken_;
+    log_warning("a tile is not drawn: {}", built.sound.error().message);
+    if (built.no_tile) tile.broken = std::max(tile.broken, built.version);
+    tile.drop_source();
+    tile.lost_track = false;
+    tile.reach = 0;
+    return count(tile);
+  }
+  tile.serial = ++serials_;
+  if (built.borders) {
+    if (tile.stale_since == 0) tile.stale_since = tile.stale_next;
+    tile.stale_next = 0;
+    tile.tree = std::move(built.tree);
+    return count(tile);
+  }
+  const bool lent = std::exchange(tile.lent, false);
+  if (kept_track && lent) tile.live = std::move(built.tile);
+  tile.fine = built.depth == kDepth;
+  tile.tree = std::move(built.tree);
+  tile.free = std::move(built.free);
+  if (tile.fine) {
+    tile.stale_since = tile.stale_next;
+    tile.stale_next = 0;
+    if (tile.changes.empty() && tile.shown() >= tile.reach) tile.bytes.reset();
+    tile.rough = true;
+    roughen_around(built.key);
+  }
+  settle(tile, now);
+  count(tile);
+}
+
+/// A tile that has not changed for a while is not kept for its next change.
+void TreeCache::settle(Tile& tile, std::int64_t now) {
+  if (!tile.live || now - tile.changed_at < kKeepLive) return;
+  if (!tile.fine || tile.shown() < tile.reach) return;
+  tile.live.reset();
+  tile.lives = false;
+  count(tile);
+}
+
+void TreeCache::count(Tile& tile) {
+  std::size_t bytes = sizeof(Tile);
+  if (tile.tree) bytes += tile.tree->memory_bytes();
+  if (tile.free) bytes += tile.free->memory_bytes();
+  if (tile.live) bytes += tile.live->memory_bytes();
+  if (tile.bytes) bytes += tile.bytes->capacity();
+  if (tile.coarse) bytes += tile.coarse->capacity();
+  for (const Bytes& change : tile.changes) bytes += change.capacity();
+  bytes_ += bytes - tile.counted;
+  tile.counted = bytes;
+}
+
+void TreeCache::trim(std::int64_t now) {
+  if (bytes_ <= budget_ || now - trimmed_at_ < kTrimEvery) return;
+  trimmed_at_ = now;
+  std::vector<std::pair<std::int64_t, TileKey>> oldest_first;
+  for (auto& [key, tile] : tiles_) {
+    settle(tile, now);
+    if (now - tile.used_at > kInUse && !tile.building) oldest_first.emplace_back(tile.used_at, key);
   }
   std::sort(oldest_first.begin(), oldest_first.end());
-  for (const auto& [picture, key] : oldest_first) {
+  for (const auto& [used_at, key] : oldest_first) {
     if (bytes_ <= budget_) return;
     const auto found = tiles_.find(key);
-    bytes_ -= found->second.bytes();
+    bytes_ -= found->second.counted;
     tiles_.erase(found);
   }
 }

@@ -2,56 +2,114 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <unordered_map>
+#include <vector>
 
-#include "base/bytes.hpp"
-#include "base/result.hpp"
-#include "render/render_tree.hpp"
+#include "render/build_job.hpp"
+#include "render/tile_asker.hpp"
 
 namespace voxatlas {
 
-/// Tiles that were fetched, encoded as they came, and the render trees made of them.
+/// Tiles as they are drawn, and what newer versions of them are made from.
 ///
-/// Memory:  at most the budget, but for what one picture needs at once: the least recently drawn go
-///          first; a tile of the picture being drawn never goes.
-/// Threads: one at a time. A tree's address is good until begin_picture(), put() of its tile or
-///          trim().
+/// Life:    of a tile that is not here the coarse cells are asked for first, and a coarse tree is
+///          built of them; then all of it, a fine tree, and the bytes are forgotten. A tile that
+///          changes while it is here is asked for once more and kept, so that further changes only
+///          have to be applied; for kKeepLive after the last of them.
+/// Memory:  at most the budget, but for what has been used less than kInUse ago; those used longest
+///          ago go first.
+/// Time:    is told. Threads: one at a time; trees are shared with whoever draws them.
 class TreeCache {
  public:
+  static constexpr int kCoarse = 4;                     ///< Depth of a tile's first tree.
+  static constexpr std::int64_t kKeepLive = 5'000'000;  ///< Microseconds.
+  static constexpr std::int64_t kInUse = 1'000'000;
+
   explicit TreeCache(std::size_t budget_bytes) : budget_(budget_bytes) {}
 
-  /// Tiles asked for from here on belong to this picture.
-  void begin_picture() { ++picture_; }
+  /// Bytes that came from a store. Older ones than what is here are dropped.
+  void take(ArrivedTile arrived, std::int64_t now);
 
-  /// Replaces what was there, unless that is as new.
-  void put(TileKey key, std::uint64_t version, Bytes bytes);
-  /// 0 where it is not here.
-  std::uint64_t version(TileKey key) const;
+  /// A change that was told of: `content` and payload as in tile_update_t, `utime` when it became
+  /// durable.
+  struct Update {
+    TileKey key;
+    std::uint64_t version = 0;
+    int content = 0;
+    Bytes payload;
+    std::int64_t utime = 0;
+  };
+  void update(Update update, std::int64_t now);
 
-  /// The tile as it is drawn; made now if it was not. Errors: kNotFound where the tile
-  /// is not here, decode_tile's where its bytes are no tile (said again each time).
-  Result<const RenderTree*> tree(TileKey key);
+  void take(BuiltTile built, std::int64_t now);
 
-  /// Drops tiles until the budget holds or only this picture's are left.
-  void trim();
+  /// How a tile stands against the newest version known.
+  struct Standing {
+    std::shared_ptr<const RenderTree> tree;  ///< What can be drawn now; null: nothing.
+    std::shared_ptr<const FreeCells> free;   ///< Of the depth asked for; null: not here.
+    bool complete = false;         ///< It is fine and as new, or nothing better will come.
+    bool fine = false;             ///< The tree is at full depth.
+    bool must_ask = false;         ///< The bytes are to be asked for,
+    int ask_depth = kDepth;        ///< to this depth.
+    bool smooth = false;           ///< Complete, and its normals are of what is around it, too.
+    std::uint64_t serial = 0;      ///< Of the tree: another one has another.
+    bool must_build = false;       ///< job() has something to do.
+    std::int64_t stale_since = 0;  ///< utime of the first change not shown; 0: none is known.
+  };
+  /// `free_depth`: of the free cells that are drawn too; 0: none are.
+  Standing look(TileKey key, std::uint64_t newest, std::int64_t now, int free_depth = 0);
+
+  /// What is to be built of a tile next, nullopt where nothing is or it is being built.
+  std::optional<BuildJob> job(TileKey key);
+
+  /// Drops tiles until the budget holds or only those in use are left.
+  void trim(std::int64_t now);
+  bool full() const { return bytes_ >= budget_; }
 
   std::size_t bytes() const { return bytes_; }
-  std::size_t budget() const { return budget_; }
   std::size_t tiles() const { return tiles_.size(); }
+  std::size_t broken() const { return broken_; }  ///< Tiles whose bytes or changes were none.
 
  private:
   struct Tile {
-    std::uint64_t version = 0;
-    std::uint64_t picture = 0;  // The last that drew it.
-    Bytes encoded;
-    std::optional<RenderTree> tree;
-    std::size_t bytes() const;
+    std::uint64_t reach = 0;  // The version that the changes lead to; without, the source's.
+    std::shared_ptr<const Bytes> bytes;  // The source: bytes, until a fine tree is built of them,
+    std::optional<TileTree> live;        // or the tile, which a job may have borrowed.
+    bool lent = false;
+    std::shared_ptr<const Bytes> coarse;  // For the first tree; of a version of its own.
+    std::uint64_t coarse_version = 0;
+    std::vector<Bytes> changes;  // One a version, up to `reach`; kept without a source too.
+    std::shared_ptr<const RenderTree> tree;
+    std::shared_ptr<const FreeCells> free;  // As new as the tree, or null.
+    int free_wanted = 0;                    // A depth.
+    bool fine = false;
+    bool building = false;
+    bool rough = false;        // Since its normals were made, a tree around it has changed.
+    std::uint64_t serial = 0;  // Of the tree.
+    bool lives = false;        // It changes: keep it once it is here.
+    bool lost_track = false;   // What comes back from the job is of no use for the next.
+    std::uint64_t broken = 0;  // This version is no tile: not asked for again.
+    std::int64_t stale_since = 0, stale_next = 0;  // The latter: since the job was made.
+    std::int64_t used_at = 0, changed_at = 0, ask_again_at = 0;
+    std::size_t counted = 0;  // Its share of bytes_.
+
+    bool has_source() const { return lent || live.has_value() || bytes != nullptr; }
+    std::uint64_t shown() const { return tree ? tree->version() : 0; }
+    void drop_source();
   };
 
+  void count(Tile& tile);
+  void settle(Tile& tile, std::int64_t now);
+  BuildJob coarse_job(TileKey key, Tile& tile);
+  BuildJob border_job(TileKey key, Tile& tile);
+  void roughen_around(TileKey key);
+
   std::size_t budget_;
-  std::size_t bytes_ = 0;
-  std::uint64_t picture_ = 0;
+  std::size_t bytes_ = 0, broken_ = 0;
+  std::uint64_t serials_ = 0;
+  std::int64_t trimmed_at_ = 0;
   std::unordered_map<TileKey, Tile> tiles_;
 };
 

@@ -24,6 +24,7 @@ void RandomMessages::fill(ack_t& m) {
 }
 
 void RandomMessages::fill(camera_t& m) {
+  m.projection = below<std::int8_t>(2);
   for (auto& c : m.position) c = real();
   for (auto& c : m.orientation) c = real();
   m.fx = real();
@@ -58,20 +59,28 @@ void RandomMessages::fill(frame_t& m) {
   m.utime = number();
   m.client = number();
   m.id = number();
+  m.renderer = small();
   m.sequence = number();
+  m.place = small();
   m.final = below<std::int8_t>(2);
+  m.last = below<std::int8_t>(2);
   fill(m.camera);
   m.depth = below<std::int8_t>(8);
+  m.samples = below<std::int8_t>(5);
   m.tiles = small();
   m.tiles_missing = small();
-  m.newest_version = number();
-  m.cells = number();
-  for (auto* stage : {&m.fetch_ms, &m.build_ms, &m.draw_ms, &m.shade_ms, &m.encode_ms})
-    *stage = real();
-  m.format = below<std::int8_t>(2);
+  for (auto* count : {&m.newest_version, &m.shown_until, &m.cells}) *count = number();
+  m.over_budget = small();
+  for (auto* value : {&m.threshold, &m.wait_ms, &m.fetch_ms, &m.draw_ms, &m.shade_ms, &m.overlay_ms,
+                      &m.encode_ms, &m.depth_scale}) {
+    *value = real();
+  }
+  m.format = below<std::int8_t>(3);
   m.quality = below<std::int8_t>(100);
   payload(m.size, m.data);
-  if (m.size == 0) m.error = text();
+  m.depth_format = below<std::int8_t>(3);
+  if (m.depth_format != 0) payload(m.depth_size, m.depth_data);
+  if (m.size == 0 && m.depth_size == 0) m.error = text();
 }
 
 void RandomMessages::fill(model_reply_t& m) {
@@ -101,10 +110,21 @@ void RandomMessages::fill(render_request_t& m) {
   m.client = number();
   m.id = number();
   m.deadline = number();
+  m.kind = below<std::int8_t>(3);
   fill(m.camera);
+  m.rate = real();
+  m.first = small();
+  m.path = blob(64 * below<std::size_t>(5));
+  m.path_size = static_cast<std::int32_t>(m.path.size());
+  m.budget_ms = real();
   m.depth = below<std::int8_t>(8);
   m.colouring = text();
-  m.format = below<std::int8_t>(2);
+  m.free_depth = below<std::int8_t>(8);
+  m.overlay = below<std::int8_t>(16);
+  m.fill_holes = below<std::int8_t>(2);
+  m.backend = below<std::int8_t>(2);
+  m.format = below<std::int8_t>(3);
+  m.depth_format = below<std::int8_t>(3);
   m.reply_port = small();
 }
 

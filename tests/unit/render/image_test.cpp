@@ -33,7 +33,7 @@ Image gradient(int width, int height) {
 }
 
 /// Oracle: TurboJPEG's own decoder.
-Image decode_jpeg(const Bytes& bytes) {
+Image decoded_by_turbojpeg(const Bytes& bytes) {
   tjhandle handle = tjInitDecompress();
   int width = 0, height = 0, sampling = 0, colours = 0;
   REQUIRE(tjDecompressHeader3(handle, bytes.data(), bytes.size(), &width, &height, &sampling,
@@ -80,13 +80,22 @@ TEST_CASE("a JPEG looks like its picture", "[image][oracle]") {
   const auto jpeg = encode_jpeg(image, 85, 150'000);
   REQUIRE(jpeg.has_value());
   REQUIRE(jpeg->quality == 85);
-  const Image back = decode_jpeg(jpeg->bytes);
+  const Image back = decode_jpeg(jpeg->bytes).value();
+  REQUIRE(back == decoded_by_turbojpeg(jpeg->bytes));
   REQUIRE(back.width == 320);
   double sum = 0;
   for (std::size_t i = 0; i < image.pixels.size(); ++i) {
     sum += std::abs(image.pixels[i].g - back.pixels[i].g);
   }
   REQUIRE(sum / static_cast<double>(image.pixels.size()) < 3);
+}
+
+TEST_CASE("what is no JPEG is refused, whatever is broken", "[image]") {
+  REQUIRE(decode_jpeg({}).error().code == ErrorCode::kCorrupt);
+  REQUIRE(decode_jpeg(Bytes(1000, 7)).error().code == ErrorCode::kCorrupt);
+  Bytes bytes = encode_jpeg(noise(64, 36), 85, 100'000)->bytes;
+  bytes.resize(20);
+  REQUIRE_FALSE(decode_jpeg(bytes).has_value());
 }
 
 TEST_CASE("a JPEG's quality falls until it fits, and no further than it must", "[image]") {

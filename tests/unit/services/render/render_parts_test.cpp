@@ -1,138 +1,21 @@
+#include <array>
 #include <catch2/catch.hpp>
+#include <cstring>
+#include <limits>
+#include <map>
+#include <set>
 
 #include "../../render/scene.hpp"
 #include "base/bytes.hpp"
-#include "codec/tile_codec.hpp"
-#include "render/request_queue.hpp"
-#include "render/store_tiles.hpp"
+#include "render/camera_path.hpp"
+#include "render/crew.hpp"
+#include "render/renderer_roll.hpp"
+#include "render/tile_asker.hpp"
 #include "render/tile_directory.hpp"
-#include "render/tree_cache.hpp"
+#include "support/engine.hpp"
 
 namespace voxatlas {
 namespace {
-
-render_request_t request_of(std::int64_t client, std::int64_t id) {
-  render_request_t request{};
-  request.client = client;
-  request.id = id;
-  return request;
-}
-
-TEST_CASE("the newest request of a client waits in its old place", "[render]") {
-  RequestQueue queue;
-  REQUIRE(queue.offer(request_of(1, 10)) == RequestQueue::Offer::kWaits);
-  REQUIRE(queue.offer(request_of(2, 20)) == RequestQueue::Offer::kWaits);
-  REQUIRE(queue.offer(request_of(1, 11)) == RequestQueue::Offer::kReplaced);
-  REQUIRE(queue.take()->id == 11);
-  REQUIRE(queue.offer(request_of(1, 12)) == RequestQueue::Offer::kWaits);
-  REQUIRE(queue.take()->id == 20);
-  REQUIRE(queue.take()->id == 12);
-  REQUIRE_FALSE(queue.take().has_value());
-}
-
-TEST_CASE("more clients than the queue holds are refused", "[render]") {
-  RequestQueue queue;
-  for (std::int64_t client = 0; client < 1000; ++client) {
-    const bool room = client < static_cast<std::int64_t>(RequestQueue::kMaxClients);
-    REQUIRE((queue.offer(request_of(client, 0)) == RequestQueue::Offer::kRefused) == !room);
-  }
-  REQUIRE(queue.size() == RequestQueue::kMaxClients);
-}
-
-TileKey key_at(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
-  return TileKey::from_index({x, y, z}).value();
-}
-
-TEST_CASE("a directory believes a listing for a second, within its range", "[render]") {
-  TileDirectory directory;
-  const TileRange range{{10, 10, 10}, {20, 20, 20}};
-  REQUIRE_FALSE(directory.knows(range, 5'000'000));
-  directory.take(range, {{key_at(12, 12, 12), 3}}, 5'000'000);
-  REQUIRE(directory.knows(range, 5'000'001));
-  REQUIRE(directory.knows({{11, 12, 13}, {14, 15, 16}}, 5'900'000));
-  REQUIRE_FALSE(directory.knows({{9, 12, 13}, {14, 15, 16}}, 5'000'001));
-  REQUIRE_FALSE(directory.knows({{11, 12, 13}, {14, 15, 21}}, 5'000'001));
-  REQUIRE_FALSE(directory.knows(range, 6'000'000));
-  REQUIRE(directory.version(key_at(12, 12, 12)) == 3);
-  REQUIRE(directory.version(key_at(13, 12, 12)) == 0);
-}
-
-TEST_CASE("a directory keeps the highest version it heard of, in its range only", "[render]") {
-  TileDirectory directory;
-  const TileRange range{{10, 10, 10}, {20, 20, 20}};
-  directory.update(key_at(12, 12, 12), 9);
-  REQUIRE(directory.size() == 0);
-  directory.take(range, {{key_at(12, 12, 12), 3}}, 1);
-  directory.update(key_at(12, 12, 12), 5);
-  directory.update(key_at(12, 12, 12), 4);
-  directory.update(key_at(15, 15, 15), 1);  // New since the listing.
-  directory.update(key_at(25, 15, 15), 1);
-  REQUIRE(directory.version(key_at(12, 12, 12)) == 5);
-  REQUIRE(directory.size() == 2);
-  directory.take(range, {{key_at(12, 12, 12), 4}}, 2);  // Listed before the update.
-  REQUIRE(directory.version(key_at(12, 12, 12)) == 5);
-  REQUIRE(directory.size() == 2);
-  directory.take({{30, 30, 30}, {31, 31, 31}}, {}, 3);
-  REQUIRE(directory.size() == 0);
-}
-
-Bytes tile_bytes(int cells) {
-  TileTree tree;
-  for (int i = 0; i < cells; ++i) {
-    tree.set({kDepth, static_cast<std::uint32_t>(i * 977 % 2'000'000)}, {3000, {}});
-  }
-  return encode_tile(tree, {});
-}
-
-TEST_CASE("a cache drops what was drawn longest ago, never what is being drawn", "[render]") {
-  TreeCache cache(200'000);
-  for (std::uint32_t i = 0; i < 10; ++i) {
-    cache.begin_picture();
-    cache.put(key_at(i, 0, 0), 1, tile_bytes(1000));
-    REQUIRE(cache.tree(key_at(i, 0, 0)).value()->cell_count(7) == 1000);
-    REQUIRE(cache.tree(key_at(0, 0, 0)).has_value());  // Drawn in every picture.
-    cache.trim();
-    REQUIRE(cache.bytes() <= 200'000);
-  }
-  REQUIRE(cache.version(key_at(0, 0, 0)) == 1);
-  REQUIRE(cache.version(key_at(1, 0, 0)) == 0);
-  REQUIRE(cache.version(key_at(9, 0, 0)) == 1);
-
-  cache.begin_picture();
-  for (std::uint32_t i = 20; i < 40; ++i) cache.put(key_at(i, 0, 0), 1, tile_bytes(1000));
-  for (std::uint32_t i = 20; i < 40; ++i) REQUIRE(cache.tree(key_at(i, 0, 0)).has_value());
-  cache.trim();
-  REQUIRE(cache.tiles() == 20);  // All of this picture, above the budget as they are.
-  cache.begin_picture();
-  cache.trim();
-  REQUIRE(cache.bytes() <= 200'000);
-}
-
-TEST_CASE("a cache takes newer versions only, and its count of bytes comes back to nothing",
-          "[render]") {
-  TreeCache cache(0);
-  const TileKey key = key_at(1, 2, 3);
-  cache.put(key, 2, tile_bytes(10));
-  REQUIRE(cache.tree(key).value()->cell_count(7) == 10);
-  cache.put(key, 1, tile_bytes(20));
-  REQUIRE(cache.tree(key).value()->cell_count(7) == 10);
-  cache.put(key, 3, tile_bytes(30));
-  REQUIRE(cache.tree(key).value()->cell_count(7) == 30);
-  REQUIRE(cache.bytes() > 0);
-  cache.begin_picture();
-  cache.trim();
-  REQUIRE(cache.bytes() == 0);
-  REQUIRE(cache.tiles() == 0);
-}
-
-TEST_CASE("a tile that is not here, or is none, is an error that names it", "[render]") {
-  TreeCache cache(1000);
-  const TileKey key = key_at(1, 0, 0);
-  REQUIRE(cache.tree(key).error().code == ErrorCode::kNotFound);
-  cache.put(key, 1, {9, 9, 9});
-  REQUIRE(cache.tree(key).error().code == ErrorCode::kCorrupt);
-  REQUIRE_THAT(cache.tree(key).error().message, Catch::Contains("0x1"));
-}
 
 TEST_CASE("a page of tiles is read row by row, and a false one refused", "[render]") {
   const Grid grid = Grid::standard();
@@ -161,6 +44,195 @@ TEST_CASE("a page of tiles is read row by row, and a false one refused", "[rende
   wrong = page;
   wrong.rows[7] = 0xff;  // A key above 2^63.
   REQUIRE_FALSE(listed_tiles(wrong, grid).has_value());
+}
+
+TEST_CASE("a store that goes round in circles is not followed", "[render]") {
+  TileAsker asker(Grid::standard(), {1, 7, 400, 3});
+  asker.list({{0, 0, 0}, {15, 15, 15}}, 0);
+  auto questions = asker.poll(0);
+  REQUIRE(questions.lists.size() == 1);
+  tiles_reply_t reply{};
+  reply.client = 7;
+  reply.id = questions.lists[0].id;
+  reply.next = 0;
+  asker.on_tiles_reply(reply, 10);
+  REQUIRE(asker.refused() == 1);
+  REQUIRE(asker.next_poll() == INT64_MAX);
+}
+
+TEST_CASE("what does not come is asked for again, more and more seldom, then given up",
+          "[render]") {
+  TileAsker asker(Grid::standard(), {1, 7, 400, 2});
+  const TileKey key = TileKey::from_morton(5).value();
+  asker.want(
+      {{key, 4}, {TileKey::from_morton(6).value(), 7}, {TileKey::from_morton(7).value(), 7}});
+  std::vector<std::int64_t> asked;
+  for (std::int64_t now = 0; now < 4'000'000; now += 10'000) {
+    for (const auto& question : asker.poll(now).tiles) {
+      REQUIRE(question.client == 7);
+      REQUIRE(question.depth == (question.tile == 5 ? 4 : 7));
+      if (question.tile == 5) asked.push_back(now / 1000);
+    }
+  }
+  REQUIRE(asked == std::vector<std::int64_t>{0, 100, 300, 700, 1500, 2500});
+  REQUIRE_FALSE(asker.asking_for(key));
+}
+
+TEST_CASE("a directory lists by blocks, and again after a second", "[render][oracle]") {
+  const test::Scene scene = test::street_scene();
+  const Camera camera = scene.camera({-20, 0, 2}, {30, 0, 2}, Lens::of_view(60, 320, 200)).value();
+  TileDirectory directory(scene.grid());
+  auto seen = directory.look(camera, 5'000'000).value();
+  REQUIRE(seen.listed_at == 0);
+  REQUIRE(seen.to_list.has_value());
+  REQUIRE(seen.tiles.empty());
+  std::vector<ListedTile> tiles;
+  for (const TileKey key : scene.keys()) tiles.push_back({key, 3});
+  directory.take(*seen.to_list, tiles, 5'000'000);
+  seen = directory.look(camera, 5'000'001).value();
+  REQUIRE(seen.listed_at == 5'000'000);
+  REQUIRE_FALSE(seen.to_list.has_value());
+  REQUIRE(seen.tiles == tiles_in_view(camera, scene.grid(), scene.keys()));
+  REQUIRE(directory.version(seen.tiles[0]) == 3);
+  REQUIRE(directory.look(camera, 6'000'000)->to_list.has_value());
+  REQUIRE(directory.look(camera, 6'000'000)->listed_at == 5'000'000);
+
+  // Beside it another view, which is asked for by itself; the first is still known.
+  const Camera far = scene.camera({3000, 0, 2}, {3030, 0, 2}, Lens::of_view(60, 320, 200)).value();
+  const auto other = directory.look(far, 5'500'000).value();
+  REQUIRE(other.to_list.has_value());
+  directory.take(*other.to_list, {}, 5'500'000);
+  REQUIRE_FALSE(directory.look(camera, 5'500'000)->to_list.has_value());
+}
+
+TEST_CASE("a directory keeps the highest version it heard of, of blocks it lists", "[render]") {
+  const test::Scene scene = test::street_scene();
+  const TileKey key = scene.keys().front();
+  TileDirectory directory(scene.grid());
+  directory.update(key, 9, 1);
+  REQUIRE(directory.version(key) == 0);
+  const Camera camera = scene.camera({-20, 0, 2}, {30, 0, 2}, Lens::of_view(60, 320, 200)).value();
+  const auto range = directory.look(camera, 1)->to_list.value();
+  directory.take(range, {{key, 3}}, 1);
+  directory.update(key, 5, 1);
+  directory.update(key, 4, 1);
+  REQUIRE(directory.version(key) == 5);
+  directory.take(range, {{key, 4}}, 2);  // Listed before the update.
+  REQUIRE(directory.version(key) == 5);
+  directory.take(range, {{key, 4}}, 2 + TileDirectory::kBelieved);  // Nobody has a 5.
+  REQUIRE(directory.version(key) == 4);
+}
+
+TEST_CASE("a view of too much of the world is refused", "[render]") {
+  const test::Scene scene = test::street_scene();
+  Lens lens = Lens::of_view(60, 8192, 1);
+  lens.fx = 1e-3;
+  lens.far_range = 2000;
+  const auto camera = scene.camera({0, 0, 2}, {30, 0, 2}, lens);
+  if (!camera) return;  // The camera itself is.
+  TileDirectory directory(scene.grid());
+  const auto seen = directory.look(*camera, 1);
+  REQUIRE((seen.has_value() || seen.error().code == ErrorCode::kOutOfRange));
+}
+
+TEST_CASE("a path is walked at an even pace between its rows", "[render]") {
+  const test::Scene scene = test::street_scene();
+  const Lens lens = Lens::of_view(60, 320, 200);
+  const std::array cameras = {scene.camera({0, 0, 2}, {30, 0, 2}, lens).value(),
+                              scene.camera({10, 0, 2}, {10, 30, 2}, lens).value(),
+                              scene.camera({10, 20, 2}, {10, 50, 2}, lens).value()};
+  Bytes bytes;
+  ByteWriter rows(bytes);
+  const double seconds[] = {0, 1, 3};
+  for (std::size_t i = 0; i < 3; ++i) {
+    rows.put(seconds[i]);
+    for (const double x : cameras[i].position()) rows.put(x);
+    const auto& q = cameras[i].orientation();
+    for (const double x : {q.w(), q.x(), q.y(), q.z()}) rows.put(x);
+  }
+  const auto path = CameraPath::create(bytes, lens).value();
+  REQUIRE(path.places(10) == 31);
+  REQUIRE(path.places(0.1) == 1);
+  const auto away = [&](double at, const Camera& camera) {
+    return (path.at(at).position() - camera.position()).norm();
+  };
+  REQUIRE(away(0, cameras[0]) < 1e-6);
+  REQUIRE(away(0.5, cameras[0]) == Approx(5));
+  REQUIRE(away(1, cameras[1]) < 1e-6);
+  REQUIRE(away(2, cameras[1]) == Approx(10));
+  REQUIRE(away(99, cameras[2]) < 1e-6);
+  REQUIRE(path.at(0.5).orientation().angularDistance(cameras[0].orientation()) ==
+          Approx(path.at(0.5).orientation().angularDistance(cameras[1].orientation())));
+  for (const double wrong : {0.5, -1.0, std::numeric_limits<double>::quiet_NaN()}) {
+    Bytes bad = bytes;
+    std::memcpy(bad.data() + 128, &wrong, sizeof wrong);  // The third row does not ascend.
+    REQUIRE_FALSE(CameraPath::create(bad, lens).has_value());
+  }
+  REQUIRE_FALSE(CameraPath::create({}, lens).has_value());
+}
+
+status_t status_of(std::int64_t instance, int ready) {
+  status_t status{};
+  status.service = "render";
+  status.instance = instance;
+  status.ready = static_cast<std::int8_t>(ready);
+  return status;
+}
+
+TEST_CASE("renderers agree who answers, and few clients change hands", "[render][oracle]") {
+  std::map<std::int64_t, RendererRoll> rolls;
+  for (std::int64_t i = 1; i <= 5; ++i) rolls.emplace(i, RendererRoll(i));
+  std::set<std::int64_t> alive;
+  std::map<std::int64_t, std::int64_t> before;
+  std::int64_t now = 0;
+  const auto who = [&](std::int64_t client) {
+    std::int64_t found = 0;
+    for (const std::int64_t i : alive) {
+      if (!rolls.at(i).answers(client, now)) continue;
+      REQUIRE(found == 0);
+      found = i;
+    }
+    REQUIRE(found != 0);
+    return found;
+  };
+  for (std::int64_t newest = 1; newest <= 5; ++newest) {
+    alive.insert(newest);
+    now += 100'000;
+    for (const std::int64_t from : alive) {
+      for (const std::int64_t to : alive) rolls.at(to).on_status(status_of(from, 1), now);
+    }
+    for (std::int64_t client = 1; client <= 500; ++client) {
+      const std::int64_t found = who(client);
+      const bool stayed = before[client] == found || found == newest;
+      REQUIRE(stayed);
+      before[client] = found;
+    }
+  }
+  // Number 2 says that it stops, number 3 is silent.
+  now += 1'000'000;
+  for (const std::int64_t from : {1, 4, 5}) {
+    for (auto& [i, roll] : rolls) roll.on_status(status_of(from, 1), now);
+  }
+  for (auto& [i, roll] : rolls) roll.on_status(status_of(2, 0), now);
+  now += RendererRoll::kAlive - 900'000;
+  alive = {1, 4, 5};
+  for (std::int64_t client = 1; client <= 500; ++client) {
+    const std::int64_t found = who(client);
+    if (before[client] != 2 && before[client] != 3) REQUIRE(found == before[client]);
+  }
+  REQUIRE(rolls.at(1).alive(now) == 3);
+}
+
+TEST_CASE("a crew does every job, and the loop is told", "[render]") {
+  Crew<int, int> crew({[](int job) { return 2 * job; }, [](int job) { return 2 * job; }});
+  std::set<int> left;
+  for (int i = 0; i < 1000; ++i) {
+    left.insert(2 * i);
+    crew.submit(i);
+  }
+  while (!left.empty()) {
+    for (const int done : crew.take()) REQUIRE(left.erase(done) == 1);
+  }
 }
 
 }  // namespace

@@ -1,0 +1,67 @@
+#!/usr/bin/env python3
+"""Pictures: how long they take by themselves, and what a client of the running service sees.
+
+First bench_render (its options are passed on: --help shows them), on the simulated city or --data.
+Then, with the real services: from a request to its frame at a subscriber, all tiles cached, less what
+the frame itself took, alone and beside a client who asks a thousand times a second; and, while scans
+are imported, from a change that is durable to the frame that shows it.
+"""
+
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+sys.path.insert(0, str(ROOT / "scripts" / "lib"))
+
+from service_set import ServiceSet, default_bin_dir  # noqa: E402
+
+SCANS = 40  # Of the simulated drive, in the model before anything is measured,
+MORE_SCANS = 160  # and imported while it is watched.
+
+
+def run(services, program, *arguments, **options):
+    return subprocess.run([default_bin_dir() / program, *map(str, arguments)], check=True,
+                          stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, text=True,
+                          env=services.env(), **options).stdout
+
+
+def service_lines():
+    with tempfile.TemporaryDirectory(prefix="voxatlas-bench-") as place:
+        with ServiceSet(pathlib.Path(place)) as services:
+            services.run("publish", "--simulate", SCANS, quiet=True)
+            yield from run(services, "render_probe", "--view", "street", "latency").splitlines()
+            importing = services.begin("publish", "--simulate", MORE_SCANS,
+                                       stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            yield from run(services, "render_probe", "--view", "street", "--budget", 40,
+                           "live").splitlines()
+            services.wait_for(importing)
+
+
+def main(arguments):
+    as_json = "--json" in arguments
+    passed_on = [argument for argument in arguments if argument != "--json"]
+    if "--service-only" in passed_on:
+        drawn = ""
+    else:
+        done = subprocess.run([default_bin_dir() / "bench_render", *passed_on], check=False,
+                              stdout=subprocess.PIPE if as_json else None, text=True)
+        if done.returncode != 0 or "--help" in passed_on:
+            sys.exit(done.returncode)
+        drawn = done.stdout or ""
+    values = {}
+    for line in drawn.splitlines():
+        values |= dict([(line.split()[0], float(line.split()[1]))]) if len(line.split()) == 3 else {}
+    for line in service_lines():
+        name, value, _ = line.split()
+        values[name] = float(value)
+        if not as_json:
+            print(line, flush=True)
+    if as_json:
+        print(json.dumps(values))
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
