@@ -43,7 +43,6 @@ Result<std::unique_ptr<Atlas>> Atlas::open(TileStore& store, ShardId shard,
     if (!put) return pass_on(put);
   }
   if (auto ok = state->recover(); !ok) return pass_on(ok);
-  state->counts.replayed_records = state->journal.records();
   state->reported = state->journal.last();
   return std::unique_ptr<Atlas>(new Atlas(std::move(state)));
 }
@@ -97,6 +96,11 @@ Status Atlas::flush() {
   if (auto ok = state_->settle(); !ok) return ok;
   if (auto ok = state_->write_oldest(state_->cache.dirty_tiles()); !ok) return ok;
   return state_->trim();
+}
+
+void Atlas::limit_cache(std::size_t bytes) {
+  state_->options.cache_bytes = bytes;
+  state_->cache.evict(bytes, std::nullopt);
 }
 
 std::vector<TileInfo> Atlas::rested(std::size_t limit) {

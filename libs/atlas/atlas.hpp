@@ -56,7 +56,8 @@ struct AtlasStats {
   std::uint64_t resting_tiles = 0;  ///< Known to be stored by the fast codec: rested() or soon.
   std::uint64_t journal_bytes = 0;  ///< Appended since the last trim.
   std::uint64_t scans_applied = 0, deltas_applied = 0, tiles_flushed = 0, cache_misses = 0;
-  std::uint64_t replayed_records = 0;  ///< At open.
+  /// Of the last recovery: at open, or after a write whose outcome was not known.
+  std::uint64_t replayed_records = 0, replayed_bytes = 0, redone_deltas = 0, skipped_deltas = 0;
 };
 
 /// One shard's tiles: cache, journal and store together. The paper's Global Index.
@@ -124,6 +125,10 @@ class Atlas {
   /// Writes dirty tiles, oldest first, at most `max_tiles`, then trims. flush() writes all.
   Status flush_some(std::size_t max_tiles);
   Status flush();
+
+  /// Another budget for tiles from now on. Clean tiles above it go at once, dirty ones as the next
+  /// commits write them.
+  void limit_cache(std::size_t bytes);
 
   /// Tiles that have rested for compressing: flushed by the fast codec, unchanged for a while, not
   /// so small that nothing is to be gained.

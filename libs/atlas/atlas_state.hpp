@@ -3,6 +3,7 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -58,8 +59,8 @@ struct Atlas::State {
   Status acquire();
   Status settle();  ///< Recovers where the state is stale.
   Status recover();
-  Status redo(JournalPosition position, ByteView bytes);
-  Status redo_delta(JournalPosition position, const JournalDelta& delta);
+  Status redo(JournalPosition position, ByteView bytes, std::set<TileKey>& redone_tiles);
+  Result<bool> redo_delta(JournalPosition position, const JournalDelta& delta);
   std::vector<Mark> mark_list() const;
 
   // atlas_commit.cpp

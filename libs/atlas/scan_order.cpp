@@ -52,6 +52,16 @@ std::size_t ScanOrder::waiting() const {
   return count;
 }
 
+std::size_t ScanOrder::waiting_bytes() const {
+  std::size_t bytes = 0;
+  for (const auto& [session, queue] : queues_) {
+    for (const auto& [seq, scan] : queue.waiting) {
+      for (const auto& [key, delta] : scan.deltas) bytes += delta.size();
+    }
+  }
+  return bytes;
+}
+
 std::int64_t ScanOrder::next(const std::string& source, std::int64_t session) const {
   const auto queue = queues_.find({source, session});
   return queue == queues_.end() ? 0 : queue->second.next;

@@ -35,6 +35,7 @@ class ScanOrder {
   std::vector<ShardScan> take_ready();
 
   std::size_t waiting() const;
+  std::size_t waiting_bytes() const;  ///< Of the deltas of those.
   /// The next seq wanted of a source's session.
   std::int64_t next(const std::string& source, std::int64_t session) const;
 

@@ -30,6 +30,10 @@ class StoreClient {
                               std::int64_t timeout_us);
   Result<tiles_reply_t> tiles(tiles_request_t request, std::int64_t timeout_us);
 
+  /// A copy of the shard, made now. Returns its folder's name within the model's folder.
+  /// Errors: also the shard's own, in its words (kIo).
+  Result<std::string> checkpoint(std::int32_t shard, std::int64_t timeout_us);
+
   struct FetchedTile {
     std::int64_t tile = 0;
     std::int64_t version = 0;  ///< 0: never written; bytes is empty then.

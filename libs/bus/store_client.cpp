@@ -9,6 +9,7 @@
 #include "base/utime.hpp"
 #include "bus/bus_url.hpp"
 #include "bus/channels.hpp"
+#include "bus/checkpoint_wire.hpp"
 #include "bus/credit.hpp"
 #include "bus/requests.hpp"
 
@@ -92,6 +93,7 @@ struct StoreClient::State {
   std::int64_t last_id = 0;
   std::vector<Bus::Subscription> subscriptions;
   std::map<std::int64_t, std::optional<model_reply_t>> models;  ///< By id, those asked for.
+  std::map<std::int64_t, std::optional<checkpoint_reply_t>> checkpoints;
   std::map<std::int64_t, std::optional<tiles_reply_t>> pages;
   std::map<std::int64_t, std::optional<tile_reply_t>> tiles;
 };
@@ -158,6 +160,7 @@ Status StoreClient::State::ask_for(Fetch& fetch, int depth, std::int64_t id,
 StoreClient::StoreClient(Bus& bus, Bus& port, const Endpoint& self)
     : state_(std::make_unique<State>(bus, port, self)) {
   state_->listen(kModelReplyChannel, state_->models);
+  state_->listen(kCheckpointReplyChannel, state_->checkpoints);
   state_->listen(kTilesReplyChannel, state_->pages);
   state_->listen(kTileReplyChannel, state_->tiles);
 }
@@ -173,6 +176,15 @@ Result<model_reply_t> StoreClient::model(std::int32_t shard, const std::string& 
   request.source = source;
   request.session = session;
   return state_->ask(kModelRequestChannel, std::move(request), state_->models, timeout_us);
+}
+
+Result<std::string> StoreClient::checkpoint(std::int32_t shard, std::int64_t timeout_us) {
+  checkpoint_request_t request{};
+  request.shard = shard;
+  auto reply = state_->ask(kCheckpointRequestChannel, request, state_->checkpoints, timeout_us);
+  if (!reply) return pass_on(reply);
+  if (reply->error.empty()) return reply->folder;
+  return fail(ErrorCode::kIo, fmt::format("tilestore {}: {}", shard, reply->error));
 }
 
 Result<tiles_reply_t> StoreClient::tiles(tiles_request_t request, std::int64_t timeout_us) {

@@ -2,6 +2,8 @@
 
 #include <cstring>
 
+#include "bus/checkpoint_wire.hpp"
+
 namespace voxatlas {
 namespace {
 
@@ -119,6 +121,8 @@ Status check_shape(const char* shape, ByteView bytes) {
 // clang-format off
 template <> const char* shape_of<ack_t>() { return "888884nb"; }
 template <> const char* shape_of<camera_t>() { return VOX_CAMERA_SHAPE; }
+template <> const char* shape_of<checkpoint_reply_t>() { return "8884ss"; }
+template <> const char* shape_of<checkpoint_request_t>() { return "888844"; }
 template <> const char* shape_of<chunk_t>() { return "888884424nb"; }
 template <> const char* shape_of<counter_t>() { return "s8"; }
 template <> const char* shape_of<frame_t>() {

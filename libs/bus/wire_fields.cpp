@@ -1,6 +1,6 @@
 // Whether the fields of each message agree with one another.
 #include "base/bytes.hpp"
-#include "bus/wire.hpp"
+#include "bus/checkpoint_wire.hpp"
 
 namespace voxatlas {
 namespace {
@@ -96,6 +96,19 @@ Status check_fields(const frame_t& frame) {
   }
   return expect(frame.error.empty() || (frame.size == 0 && frame.depth_size == 0),
                 "error with a picture: size and depth_size", frame.size, frame.depth_size);
+}
+
+template <>
+Status check_fields(const checkpoint_reply_t& reply) {
+  return expect(reply.shard >= 0 && reply.folder.empty() != reply.error.empty(),
+                "shard, or both of folder and error:", reply.shard,
+                static_cast<std::int64_t>(reply.folder.size()));
+}
+
+template <>
+Status check_fields(const checkpoint_request_t& request) {
+  return expect(request.shard >= 0 && request.reply_port >= 0, "shard and reply_port",
+                request.shard, request.reply_port);
 }
 
 template <>

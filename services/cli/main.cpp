@@ -6,7 +6,7 @@
 //   stat       what the model holds
 //   simulate   the simulated drive as files
 //   doctor     what is wrong with the bus, the services, the machine, and how to mend it
-//   store      a model at rest: verify | stat | checkpoint | compact | reshard | merge
+//   store      a model's folder: verify | stat | checkpoint | compact | reshard | merge
 //
 // Every subcommand is a file of its own; this one declares their options.
 #include <fmt/format.h>
@@ -86,6 +86,13 @@ static Options& add_command(CLI::App& app, CLI::App*& sub, const char* name, con
   return *options;
 }
 
+static void add_drive(CLI::App& app, SimulatedInput& drive) {
+  app.add_option("--seed", drive.seed, "of the simulated city and drive")->capture_default_str();
+  app.add_option("--place", drive.place, "LAT,LON,HEIGHT of the simulated city's middle [Munich]");
+  app.add_option("--speed", drive.speed, "of the simulated car, metres a second")
+      ->capture_default_str();
+}
+
 static void declare_publish(CLI::App& app, Command& command) {
   CLI::App* sub = nullptr;
   auto& options = add_command<PublishOptions>(app, sub, "publish",
@@ -107,9 +114,9 @@ static void declare_publish(CLI::App& app, Command& command) {
                   "of a log: take the clouds of this channel alone");
   sub->add_option("--pose-channel", options.log.pose_channel,
                   "of a log: the channel of the clouds' poses, where there are several");
-  auto* simulate = sub->add_option("--simulate", options.simulate,
+  auto* simulate = sub->add_option("--simulate", options.simulate.scans,
                                    "publish so many scans of the simulated drive instead");
-  sub->add_option("--seed", options.seed, "of the simulated drive")->capture_default_str();
+  add_drive(*sub, options.simulate);
   sub->add_option("--source", options.source, "who publishes [the input's name]");
   sub->add_option("--session", options.session,
                   "number of the run [made of the input: the same input is never added twice]")
@@ -272,9 +279,9 @@ static void declare_simulate(CLI::App& app, Command& command) {
   auto& options = add_command<SimulateOptions>(
       app, sub, "simulate", "write the simulated drive as files that publish reads", command,
       run_simulate);
-  sub->add_option("scans", options.scans, "how many")->required()->check(CLI::PositiveNumber);
+  sub->add_option("scans", options.drive.scans, "how many")->required()->check(CLI::PositiveNumber);
   sub->add_option("--out", options.out, "folder to be made")->required();
-  sub->add_option("--seed", options.seed, "of the city and the drive")->capture_default_str();
+  add_drive(*sub, options.drive);
 }
 
 static void declare_doctor(CLI::App& app, Command& command) {
@@ -292,7 +299,7 @@ static void declare_doctor(CLI::App& app, Command& command) {
 }
 
 static void declare_store(CLI::App& app, Command& command) {
-  auto* store = app.add_subcommand("store", "a model's folder while its services are stopped");
+  auto* store = app.add_subcommand("store", "a model's folder");
   store->require_subcommand(1);
   const auto add = [&](const char* name, const char* help, Status (*run)(const StoreOptions&)) {
     CLI::App* sub = nullptr;
@@ -301,10 +308,13 @@ static void declare_store(CLI::App& app, Command& command) {
     return std::pair<CLI::App*, StoreOptions*>(sub, &options);
   };
   auto [verify, verify_options] =
-      add("verify", "read everything, check everything, change nothing", run_store_verify);
+      add("verify", "read everything, check everything, change nothing; also while it runs",
+          run_store_verify);
+  add_url(*verify, verify_options->url);
   verify->add_flag("--json", verify_options->json, "one JSON object a shard");
   auto [stat, stat_options] =
-      add("stat", "tiles, bytes, journal, marks of each shard", run_store_stat);
+      add("stat", "tiles, bytes, journal, marks of each shard; also while it runs", run_store_stat);
+  add_url(*stat, stat_options->url);
   stat->add_flag("--json", stat_options->json, "one JSON object a shard");
   stat->add_option("--hashes", stat_options->hashes,
                    "write key, version and SHA-256 of every tile to this file");
@@ -312,7 +322,9 @@ static void declare_store(CLI::App& app, Command& command) {
                    "write how far each source's scans are applied to this file, a line for each "
                    "shard and source: shard, seq, session, source");
   auto [checkpoint, checkpoint_options] =
-      add("checkpoint", "a consistent copy that is a model of its own", run_store_checkpoint);
+      add("checkpoint", "a consistent copy that is a model of its own; also while it runs",
+          run_store_checkpoint);
+  add_url(*checkpoint, checkpoint_options->url);
   checkpoint->add_option("to", checkpoint_options->target, "folder to be made")->required();
   add("compact", "rewrite the files without what was overwritten", run_store_compact);
   auto [reshard, reshard_options] =

@@ -22,7 +22,7 @@ namespace {
 constexpr std::int64_t kSilence = 30'000'000;  ///< Of every ingest: then nobody is there.
 
 Result<ScanInput> open_input(const PublishOptions& options) {
-  if (options.simulate > 0) return open_simulated(options.simulate, options.seed);
+  if (options.simulate.scans > 0) return open_simulated(options.simulate);
   if (!is_lcm_log(options.kitti.folder)) return open_kitti(options.kitti);
   LogInput log = options.log;
   log.path = options.kitti.folder;

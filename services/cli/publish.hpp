@@ -12,10 +12,9 @@ namespace voxatlas {
 
 struct PublishOptions {
   std::string url;
-  KittiInput kitti;          ///< A folder, or, where that names a log of lcm-logger,
-  LogInput log;              ///< the rest of what is said of it, or
-  std::size_t simulate = 0;  ///< so many scans of the simulated drive.
-  std::uint64_t seed = 1;
+  KittiInput kitti;                     ///< A folder, or, where that names a log of lcm-logger,
+  LogInput log;                         ///< the rest of what is said of it, or
+  SimulatedInput simulate;              ///< a simulated drive, where it has scans.
   std::string source;                   ///< Empty: the input's name.
   std::optional<std::int64_t> session;  ///< Unset: the input's identity, so that it resumes.
   std::optional<double> sigma, min_range;

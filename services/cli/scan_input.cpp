@@ -47,22 +47,36 @@ Result<ScanInput> open_kitti(const KittiInput& input) {
   return result;
 }
 
-Result<ScanInput> open_simulated(std::size_t scans, std::uint64_t seed) {
+/// The default drive keeps its identity, whatever else can be chosen.
+static std::string describe(const SimulatedInput& input) {
+  auto text = fmt::format("simulated drive, seed {}", input.seed);
+  if (!input.place.empty()) text += ", at " + input.place;
+  if (input.speed != SimulatedInput{}.speed) text += fmt::format(", speed {}", input.speed);
+  return text;
+}
+
+Result<ScanInput> open_simulated(const SimulatedInput& input) {
   CityOptions city_options;
-  city_options.seed = seed;
+  city_options.seed = input.seed;
+  if (!input.place.empty()) {
+    auto place = parse_place("--place", input.place);
+    if (!place) return pass_on(place);
+    city_options.place = *place;
+  }
   auto made = City::create(city_options);
   if (!made) return pass_on(made);
   auto city = std::make_shared<City>(std::move(*made));  // Owned by the closure, with its drive.
   DriveOptions drive_options;
-  drive_options.scans = scans;
-  drive_options.seed = seed;
+  drive_options.scans = input.scans;
+  drive_options.seed = input.seed;
+  drive_options.speed = input.speed;
   auto drive = Drive::create(*city, drive_options);
   if (!drive) return pass_on(drive);
 
   ScanInput result;
   result.name = "simulated";
-  result.identity = identity_of_input(fmt::format("simulated drive, seed {}", seed));
-  result.scans = scans;
+  result.identity = identity_of_input(describe(input));
+  result.scans = input.scans;
   result.sigma = drive_options.sigma;
   result.read = [city, drive = std::move(*drive)](std::size_t index) -> Result<InputScan> {
     return InputScan{drive.simulate(index), {}, {}, {}};

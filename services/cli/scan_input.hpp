@@ -43,7 +43,15 @@ std::int64_t identity_of_input(const std::string& description);
 /// `ending`.
 Result<ScanInput> open_kitti(const KittiInput& input);
 
-/// `scans` scans of the procedural city, made from `seed`.
-Result<ScanInput> open_simulated(std::size_t scans, std::uint64_t seed);
+/// A drive through the procedural city.
+struct SimulatedInput {
+  std::size_t scans = 0;
+  std::uint64_t seed = 1;  ///< Of the city and the drive.
+  std::string place{};     ///< "LAT,LON,HEIGHT" of the city's middle, or empty: Munich.
+  double speed = 8;        ///< Metres a second; scans come at 20 Hz.
+};
+
+/// Errors: kInvalid and kOutOfRange for a place or a speed that cannot be.
+Result<ScanInput> open_simulated(const SimulatedInput& input);
 
 }  // namespace voxatlas

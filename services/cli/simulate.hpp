@@ -1,16 +1,14 @@
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
 #include <string>
 
 #include "base/result.hpp"
+#include "cli/scan_input.hpp"
 
 namespace voxatlas {
 
 struct SimulateOptions {
-  std::size_t scans = 0;
-  std::uint64_t seed = 1;
+  SimulatedInput drive;
   std::string out;  ///< Folder to be made.
 };
 

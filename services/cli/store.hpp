@@ -15,9 +15,11 @@ struct StoreOptions {
   bool json = false;
   /// stat: file for one line a shard and source: shard, seq, session, source.
   std::string marks{};
+  std::string url{};  ///< verify, stat, checkpoint: where the services are if they run.
 };
 
-/// A model's folder while no service runs on it. All refuse one that does (kUnavailable).
+/// A model's folder. verify, stat and checkpoint work while its services run, too, on a copy made
+/// for them; the others refuse then (kUnavailable).
 
 /// Every checksum, every tile decoded and in its place, every journal record applicable. Changes
 /// nothing that the model knows. Errors: kCorrupt, after all shards were looked at.

@@ -15,6 +15,7 @@
 #include "cli/model_folder.hpp"
 #include "cli/new_model.hpp"
 #include "cli/progress.hpp"
+#include "cli/running_copy.hpp"
 #include "cli/store.hpp"
 #include "codec/tile_codec.hpp"
 
@@ -56,25 +57,39 @@ static Status take_place(const std::string& made, const std::string& directory,
   return {};
 }
 
+static Status copy_at_rest(const std::string& directory, const std::string& copy) {
+  auto model = ModelFolder::open(directory);
+  if (!model) return pass_on(model);
+  std::error_code error;
+  if (!fs::create_directories(copy, error)) {
+    return fail(ErrorCode::kIo, fmt::format("cannot make {}: {}", copy, error.message()));
+  }
+  for (ShardId shard = 0; shard < model->shards(); ++shard) {
+    auto made = model->store(shard).checkpoint(shard_folder(copy, shard));
+    if (!made) return made;
+  }
+  return {};
+}
+
 Status run_store_checkpoint(const StoreOptions& options) {
   const std::string partial = options.target + ".partial";
   for (const auto& path : {options.target, partial}) {
     if (auto ok = refuse_existing(path); !ok) return ok;
   }
-  auto model = ModelFolder::open(options.data_dir);
-  if (!model) return pass_on(model);
-  std::error_code error;
-  if (!fs::create_directories(partial, error)) {
-    return fail(ErrorCode::kIo, fmt::format("cannot make {}: {}", partial, error.message()));
+  auto copied = copy_at_rest(options.data_dir, partial);
+  if (!copied && copied.error().code == ErrorCode::kUnavailable) {
+    copied = copy_running(options.url, options.data_dir, partial);
   }
-  for (ShardId shard = 0; shard < model->shards(); ++shard) {
-    auto made = model->store(shard).checkpoint(shard_folder(partial, shard));
-    if (!made) return pass_on(made, fmt::format("{} is left unfinished", partial));
+  if (!copied) return pass_on(copied, fmt::format("{}, if there, is unfinished", partial));
+  ShardId shards = 0;
+  {
+    auto copy = ModelFolder::open(partial);
+    if (!copy) return pass_on(copy, "the copy");
+    shards = copy->shards();
   }
-  if (auto copy = ModelFolder::open(partial); !copy) return pass_on(copy, "the copy");
   ::sync();
   if (::rename(partial.c_str(), options.target.c_str()) != 0) return refused(partial);
-  fmt::print("{}: a model of {} shards\n", options.target, model->shards());
+  fmt::print("{}: a model of {} shards\n", options.target, shards);
   return {};
 }
 

@@ -6,8 +6,8 @@
 
 #include "base/sha256.hpp"
 #include "cli/json_text.hpp"
-#include "cli/model_folder.hpp"
 #include "cli/progress.hpp"
+#include "cli/running_copy.hpp"
 #include "cli/store.hpp"
 #include "codec/tile_codec.hpp"
 #include "octree/tile_hash.hpp"
@@ -139,18 +139,19 @@ void print(ShardId shard, const ShardFigures& figures, bool json) {
 }  // namespace
 
 Status run_store_stat(const StoreOptions& options) {
-  auto model = ModelFolder::open(options.data_dir);
-  if (!model) return pass_on(model);
-  for (ShardId shard = 0; shard < model->shards(); ++shard) {
-    auto figures = measure(*model, shard);
+  auto readable = ReadableModel::open(options.data_dir, options.url);
+  if (!readable) return pass_on(readable);
+  auto& model = **readable;
+  for (ShardId shard = 0; shard < model.shards(); ++shard) {
+    auto figures = measure(model, shard);
     if (!figures) return pass_on(figures, fmt::format("shard {}", shard));
     print(shard, *figures, options.json);
   }
   if (!options.marks.empty()) {
-    if (auto written = write_marks(*model, options.marks); !written) return written;
+    if (auto written = write_marks(model, options.marks); !written) return written;
   }
   if (options.hashes.empty()) return {};
-  return write_hashes(*model, options.hashes);
+  return write_hashes(model, options.hashes);
 }
 
 Status run_store_compact(const StoreOptions& options) {

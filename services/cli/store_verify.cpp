@@ -5,8 +5,8 @@
 
 #include "atlas/journal_record.hpp"
 #include "cli/json_text.hpp"
-#include "cli/model_folder.hpp"
 #include "cli/progress.hpp"
+#include "cli/running_copy.hpp"
 #include "cli/store.hpp"
 #include "codec/tile_codec.hpp"
 #include "grid/region_key.hpp"
@@ -130,18 +130,19 @@ void print(ShardId shard, const Findings& found, const Status& outcome, bool jso
 }  // namespace
 
 Status run_store_verify(const StoreOptions& options) {
-  auto model = ModelFolder::open(options.data_dir);
-  if (!model) return pass_on(model);
+  auto readable = ReadableModel::open(options.data_dir, options.url);
+  if (!readable) return pass_on(readable);
+  auto& model = **readable;
   ShardId damaged = 0;
-  for (ShardId shard = 0; shard < model->shards(); ++shard) {
-    ShardCheck check(*model, shard);
+  for (ShardId shard = 0; shard < model.shards(); ++shard) {
+    ShardCheck check(model, shard);
     const auto outcome = check.run();
     if (!outcome) ++damaged;
     print(shard, check.found(), outcome, options.json);
   }
   if (damaged == 0) return {};
   return fail(ErrorCode::kCorrupt, fmt::format("{}: {} of {} shards damaged", options.data_dir,
-                                               damaged, model->shards()));
+                                               damaged, model.shards()));
 }
 
 }  // namespace voxatlas

@@ -1,11 +1,12 @@
 // voxatlas-tilestore: one shard of the model, durable.
 //
-//   in   VOXATLAS_CHUNK_STORE_s     chunk_t (scan_delta_t, tile_encoded_t)  reliable, from ingest,
-//   compress in   VOXATLAS_MODEL_REQUEST, VOXATLAS_TILES_REQUEST, VOXATLAS_TILE_REQUEST   from
-//   anyone out  VOXATLAS_MODEL_REPLY, VOXATLAS_TILES_REPLY, VOXATLAS_TILE_REPLY         to who
-//   asked out  VOXATLAS_TILE_UPDATE       tile_update_t                           to anyone out
-//   VOXATLAS_CHUNK_COMPRESS_i  chunk_t (tile_raw_t)                    reliable, to compress out
-//   VOXATLAS_ACK, VOXATLAS_STATUS
+//   in   VOXATLAS_CHUNK_STORE_s       chunk_t (scan_delta_t, tile_encoded_t)   reliable,
+//                                     from ingest, compress
+//   in   VOXATLAS_{MODEL,TILES,TILE,CHECKPOINT}_REQUEST   from anyone
+//   out  VOXATLAS_{MODEL,TILES,TILE,CHECKPOINT}_REPLY     to who asked
+//   out  VOXATLAS_TILE_UPDATE         tile_update_t         to anyone
+//   out  VOXATLAS_CHUNK_COMPRESS_i    chunk_t (tile_raw_t)  reliable, to compress
+//   out  VOXATLAS_ACK, VOXATLAS_STATUS
 //
 // What it has acknowledged survives a kill -9 and a power cut: journal first, then memory.
 #include <fmt/format.h>

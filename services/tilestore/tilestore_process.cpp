@@ -11,9 +11,12 @@
 #include "base/log.hpp"
 #include "base/utime.hpp"
 #include "bus/channels.hpp"
+#include "bus/checkpoint_wire.hpp"
+#include "bus/requests.hpp"
 #include "bus/service_loop.hpp"
 #include "bus/stream_link.hpp"
 #include "store/rocksdb_store.hpp"
+#include "tilestore/checkpoints.hpp"
 #include "tilestore/question_desk.hpp"
 #include "tilestore/raw_tiles.hpp"
 #include "tilestore/tile_queries.hpp"
@@ -57,6 +60,7 @@ class TilestoreProcess {
  private:
   Status open_model();
   Status join_bus();
+  void answer(const checkpoint_request_t& request);
   Result<std::int64_t> work(std::int64_t now);
   Status take_messages();
   Status take_message(const StreamMessage& message);
@@ -71,8 +75,10 @@ class TilestoreProcess {
   std::unique_ptr<Atlas> atlas_;
   std::unique_ptr<TilestoreService> service_;
   std::unique_ptr<TileQueries> queries_;
+  std::unique_ptr<Checkpoints> checkpoints_;
   std::unique_ptr<Bus> bus_;
   std::unique_ptr<QuestionDesk> questions_;
+  std::unique_ptr<ReplyPorts> ports_;  ///< Of those who asked for a checkpoint.
   std::unique_ptr<InLink> in_;
   std::unique_ptr<RawTiles> raw_tiles_;
   std::unique_ptr<StatusPublisher> status_;
@@ -87,6 +93,7 @@ Status TilestoreProcess::start() {
 }
 
 Status TilestoreProcess::open_model() {
+  const auto began = steady_utime();
   const auto shard = static_cast<ShardId>(options_.shard);
   auto store = RocksDbStore::open(fmt::format("{}/shard-{}", options_.data_dir, shard),
                                   store_options(plan_));
@@ -102,8 +109,9 @@ Status TilestoreProcess::open_model() {
   atlas_ = std::move(*atlas);
   service_ = std::make_unique<TilestoreService>(*atlas_, plan_.commit);
   queries_ = std::make_unique<TileQueries>(*atlas_, *store_);
-  log_info("shard {} of {} in {}: {}, {} journal records replayed", shard, options_.shards,
-           options_.data_dir, *stored ? "opened" : "new", atlas_->stats().replayed_records);
+  checkpoints_ = std::make_unique<Checkpoints>(*store_, options_.data_dir);
+  log_info("shard {} of {} in {}: {} in {} ms", shard, options_.shards, options_.data_dir,
+           *stored ? "opened" : "made", (steady_utime() - began) / 1000);
   return {};
 }
 
@@ -121,7 +129,23 @@ Status TilestoreProcess::join_bus() {
   if (!raw_tiles) return pass_on(raw_tiles);
   raw_tiles_ = std::move(*raw_tiles);
   questions_ = std::make_unique<QuestionDesk>(*bus_, *queries_, options_.shard);
+  ports_ = std::make_unique<ReplyPorts>(*bus_);
+  bus_->subscribe<checkpoint_request_t>(
+      kCheckpointRequestChannel, [this](const checkpoint_request_t& request) { answer(request); });
   return {};
+}
+
+void TilestoreProcess::answer(const checkpoint_request_t& request) {
+  if (request.shard != options_.shard || request.deadline < utime_now()) return;
+  const auto reply = checkpoints_->answer(request);
+  if (!reply) return;  // Not made yet: the question comes again.
+  auto port = ports_->at(request.reply_port);
+  const Status sent =
+      port ? (*port)->publish(kCheckpointReplyChannel, *reply) : Status(pass_on(port));
+  if (!sent) {
+    log_warning("checkpoint_request_t of client {} not answered: {}", request.client,
+                sent.error().message);
+  }
 }
 
 Status TilestoreProcess::run() {
@@ -162,6 +186,9 @@ Status TilestoreProcess::take_messages() {
     waiting_.pop_front();
     if (auto taken = take_message(message); !taken) return taken;
   }
+  // What waits for its turn takes the place of tiles, so that both keep to the budget.
+  const auto lent = std::min(service_->waiting_bytes(), plan_.tiles - plan_.tiles / 4);
+  atlas_->limit_cache(plan_.tiles - lent);
   return {};
 }
 
@@ -264,37 +291,12 @@ StatusCounters TilestoreProcess::counters() const {
 
 }  // namespace
 
-Result<ModelParameters> apply_options(const ModelOptions& options, std::int32_t shards,
-                                      const ModelParameters& base) {
-  ModelParameters result = base;
-  result.cells_per_metre = options.cells_per_metre.value_or(base.cells_per_metre);
-  auto& integration = result.integration;
-  integration.free_depth = options.free_depth.value_or(integration.free_depth);
-  integration.surface_depth = options.surface_depth.value_or(integration.surface_depth);
-  integration.min_range = options.min_range.value_or(integration.min_range);
-  integration.max_range = options.max_range.value_or(integration.max_range);
-  const auto set = [](const std::optional<double>& probability, LogOdds& value) -> Status {
-    if (!probability) return {};
-    auto log_odds = to_log_odds(*probability);
-    if (!log_odds) return pass_on(log_odds);
-    value = *log_odds;
-    return {};
-  };
-  for (auto& status : {set(options.hit, result.sensor.hit), set(options.miss, result.sensor.miss),
-                       set(options.clamp_min, result.sensor.clamp_min),
-                       set(options.clamp_max, result.sensor.clamp_max)}) {
-    if (!status) return tl::unexpected<Error>(status.error());
-  }
-  result.shards = static_cast<std::uint32_t>(shards);
-  if (auto sound = result.check(); !sound) return pass_on(sound);
-  return result;
-}
-
-Status serve_tilestore(const TilestoreOptions& options) {
+Status serve_until_fault(const TilestoreOptions& options, bool& was_ready) {
   auto plan = MemoryPlan::of(options.memory_bytes);
   if (!plan) return pass_on(plan);
   TilestoreProcess process(options, *plan);
   if (auto started = process.start(); !started) return started;
+  was_ready = true;
   return process.run();
 }
 

@@ -36,8 +36,14 @@ struct TilestoreOptions {
 Result<ModelParameters> apply_options(const ModelOptions& options, std::int32_t shards,
                                       const ModelParameters& base);
 
-/// The process: opens and recovers its shard, joins the bus, works until a signal, flushes, closes.
+/// One life of the process: opens and recovers its shard, joins the bus, works until a signal,
+/// flushes, closes. Sets `was_ready` once it works.
 /// Errors: what keeps it from starting, or from going on.
+Status serve_until_fault(const TilestoreOptions& options, bool& was_ready);
+
+/// The process. Where the disk fails under its work (kIo, kUnknown) it says so on the bus and
+/// begins anew every second, until the disk is well: nothing that was not acknowledged is forgotten
+/// by its sender. Errors: what keeps it from starting, and any other.
 Status serve_tilestore(const TilestoreOptions& options);
 
 }  // namespace voxatlas

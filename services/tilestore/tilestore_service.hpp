@@ -59,6 +59,9 @@ class TilestoreService {
   const Counters& counters() const { return counters_; }
   const SourceMarks& marks() const { return marks_; }  ///< The newest scans durable, by source.
   std::size_t waiting() const { return order_.waiting() + ready_.size(); }
+  /// Of scans whose turn has not come: has_room() cannot refuse them, as the missing one may come
+  /// behind them.
+  std::size_t waiting_bytes() const { return order_.waiting_bytes(); }
 
  private:
   struct Pending {

@@ -1,6 +1,6 @@
 // Any bytes, as any type of message: refused, or a message that is the same bytes again.
 #include "base/check.hpp"
-#include "bus/wire.hpp"
+#include "bus/checkpoint_wire.hpp"
 
 namespace {
 
@@ -29,9 +29,9 @@ void try_nth(std::size_t n, ByteView body) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return 0;
-  try_nth<ack_t, camera_t, chunk_t, counter_t, frame_t, model_reply_t, model_request_t,
-          render_request_t, scan_delta_t, scan_t, status_t, tile_encoded_t, tile_raw_t,
-          tile_reply_t, tile_request_t, tile_update_t, tiles_reply_t, tiles_request_t>(
-      data[0] % 18, ByteView(data + 1, size - 1));
+  try_nth<ack_t, camera_t, checkpoint_reply_t, checkpoint_request_t, chunk_t, counter_t, frame_t,
+          model_reply_t, model_request_t, render_request_t, scan_delta_t, scan_t, status_t,
+          tile_encoded_t, tile_raw_t, tile_reply_t, tile_request_t, tile_update_t, tiles_reply_t,
+          tiles_request_t>(data[0] % 20, ByteView(data + 1, size - 1));
   return 0;
 }

@@ -57,6 +57,37 @@ TEST_CASE("thousands of tiles pass through a small cache, and none is lost", "[a
   }
 }
 
+TEST_CASE("reading writes nothing and waits for no write, whatever is dirty", "[atlas]") {
+  MemoryStore store;
+  std::vector<TileKey> old, dirty;
+  for (std::uint64_t code = 0; code < 400; ++code) (code < 200 ? old : dirty).push_back(key(code));
+  {
+    const auto before = open_atlas(store);
+    const auto scan = small_scan(0, old);
+    REQUIRE(before->commit({&scan, 1}).has_value());
+    REQUIRE(before->flush().has_value());
+  }
+  const auto atlas = open_atlas(store);
+  const auto scan = small_scan(1, dirty);
+  REQUIRE(atlas->commit({&scan, 1}).has_value());
+  atlas->limit_cache(1 << 10);  // Far below what is dirty: the next commit must write.
+  int writes = 0;
+  store.inject([&](StoreCall call) -> std::optional<StoreFault> {
+    if (call == StoreCall::kRead) return std::nullopt;
+    ++writes;
+    return StoreFault{ErrorCode::kNoSpace, false};
+  });
+  for (const auto& keys : {old, dirty}) {
+    for (const auto at : keys) REQUIRE(atlas->tile(at).value().version == 1);
+    for (const auto at : keys) REQUIRE(atlas->encoded(at).value().version == 1);
+  }
+  REQUIRE(atlas->list(key(0), 1'000).value().size() == 400);
+  REQUIRE(writes == 0);
+  const auto next = small_scan(2, {key(1)});
+  REQUIRE(atlas->commit({&next, 1}).error().code == ErrorCode::kNoSpace);  // The control.
+  REQUIRE(writes == 1);
+}
+
 TEST_CASE("any number of scans is one append", "[atlas]") {
   MemoryStore store;
   auto atlas = open_atlas(store);

@@ -66,6 +66,20 @@ TEST_CASE("scans leave in order however they arrive", "[atlas][oracle]") {
   }
 }
 
+TEST_CASE("scans that wait are counted in bytes until their turn has come", "[atlas]") {
+  ScanOrder order;
+  for (const std::int64_t seq : {2, 1}) {
+    auto waits = scan("car", 5, seq);
+    const auto key = TileKey::from_morton(9).value();
+    waits.deltas = {{key, Bytes(static_cast<std::size_t>(100 * seq))}};
+    REQUIRE(order.offer(waits, 0).has_value());
+  }
+  REQUIRE(order.waiting_bytes() == 300);
+  REQUIRE(order.offer(scan("car", 5, 0), 0).has_value());
+  REQUIRE(order.take_ready().size() == 3);
+  REQUIRE(order.waiting_bytes() == 0);
+}
+
 TEST_CASE("a shard that lacks acknowledged scans raises the alarm", "[atlas]") {
   ScanOrder order;
   order.start_from({{"car", 5, 41}});

@@ -83,6 +83,25 @@ void RandomMessages::fill(frame_t& m) {
   if (m.size == 0 && m.depth_size == 0) m.error = text();
 }
 
+void RandomMessages::fill(checkpoint_reply_t& m) {
+  m.utime = number();
+  m.client = number();
+  m.id = number();
+  m.shard = small();
+  auto& told = below<int>(2) == 0 ? m.folder : m.error;
+  told = text();
+  told.push_back('x');
+}
+
+void RandomMessages::fill(checkpoint_request_t& m) {
+  m.utime = number();
+  m.client = number();
+  m.id = number();
+  m.deadline = number();
+  m.reply_port = small();
+  m.shard = small();
+}
+
 void RandomMessages::fill(model_reply_t& m) {
   m.utime = number();
   m.client = number();

@@ -3,7 +3,7 @@
 #include <random>
 
 #include "bus/ack_ranges.hpp"
-#include "bus/wire.hpp"
+#include "bus/checkpoint_wire.hpp"
 
 namespace voxatlas::test {
 
@@ -17,6 +17,8 @@ class RandomMessages {
   void fill(chunk_t& m);
   void fill(counter_t& m);
   void fill(frame_t& m);
+  void fill(checkpoint_reply_t& m);
+  void fill(checkpoint_request_t& m);
   void fill(model_reply_t& m);
   void fill(model_request_t& m);
   void fill(render_request_t& m);

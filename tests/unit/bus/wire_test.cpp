@@ -11,10 +11,11 @@
 namespace voxatlas {
 namespace {
 
-#define VOX_ALL_TYPES                                                                             \
-  ack_t, camera_t, chunk_t, counter_t, frame_t, model_reply_t, model_request_t, render_request_t, \
-      scan_delta_t, scan_t, status_t, tile_encoded_t, tile_raw_t, tile_reply_t, tile_request_t,   \
-      tile_update_t, tiles_reply_t, tiles_request_t
+#define VOX_ALL_TYPES                                                                         \
+  ack_t, camera_t, checkpoint_reply_t, checkpoint_request_t, chunk_t, counter_t, frame_t,     \
+      model_reply_t, model_request_t, render_request_t, scan_delta_t, scan_t, status_t,       \
+      tile_encoded_t, tile_raw_t, tile_reply_t, tile_request_t, tile_update_t, tiles_reply_t, \
+      tiles_request_t
 
 /// Bytes that the blobs, strings and lists of a message take: what its decoder allocates.
 template <class T>

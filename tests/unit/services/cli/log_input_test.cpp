@@ -74,7 +74,7 @@ std::vector<Bytes> messages_of(ScanInput& input) {
 TEST_CASE("a log of a folder's scans gives what the folder gives, bit for bit", "[cli][oracle]") {
   const test::TempDir dir;
   {
-    auto simulated = open_simulated(3, 1).value();
+    auto simulated = open_simulated({3, 1}).value();
     auto writer = KittiWriter::create(dir / "drive").value();
     for (std::size_t i = 0; i < 3; ++i) {
       REQUIRE(writer.write(simulated.read(i).value().scan).has_value());
@@ -111,7 +111,7 @@ TEST_CASE("a log of a folder's scans gives what the folder gives, bit for bit", 
 
 TEST_CASE("a scan that lacks a part is left out, and it is told", "[cli][hostile]") {
   const test::TempDir dir;
-  auto simulated = open_simulated(2, 1).value();
+  auto simulated = open_simulated({2, 1}).value();
   LogWriter log(dir / "log.lcm");
   for (std::int64_t i = 0; i < 2; ++i) {
     const auto scan = simulated.read(static_cast<std::size_t>(i)).value().scan;
@@ -129,7 +129,7 @@ TEST_CASE("a scan that lacks a part is left out, and it is told", "[cli][hostile
 
 TEST_CASE("a log cut off gives its whole scans and says why it ends", "[cli][hostile]") {
   const test::TempDir dir;
-  auto simulated = open_simulated(2, 1).value();
+  auto simulated = open_simulated({2, 1}).value();
   {
     LogWriter log(dir / "log.lcm");
     for (std::int64_t i = 0; i < 2; ++i) {

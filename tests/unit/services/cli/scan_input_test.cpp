@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <set>
 
+#include "geodesy/ecef.hpp"
 #include "io/kitti_writer.hpp"
 #include "support/temp_dir.hpp"
 
@@ -14,7 +15,7 @@ namespace fs = std::filesystem;
 
 /// Writes `scans` scans of the simulated drive and returns them.
 std::vector<SensorScan> write_drive(const std::string& folder, std::size_t scans) {
-  auto simulated = open_simulated(scans, 1).value();
+  auto simulated = open_simulated({scans, 1}).value();
   auto writer = KittiWriter::create(folder).value();
   std::vector<SensorScan> written;
   for (std::size_t i = 0; i < scans; ++i) {
@@ -94,14 +95,27 @@ TEST_CASE("what cannot be read at all is refused by name", "[cli]") {
 }
 
 TEST_CASE("the simulated drive is the same for the same seed, and another for another", "[cli]") {
-  const auto first = open_simulated(2, 7).value(), again = open_simulated(2, 7).value(),
-             other = open_simulated(2, 8).value();
+  const auto first = open_simulated({2, 7}).value(), again = open_simulated({2, 7}).value(),
+             other = open_simulated({2, 8}).value();
   REQUIRE(first.identity == again.identity);
   REQUIRE(first.identity != other.identity);
   for (const std::size_t i : {1u, 0u}) {  // In any order.
     REQUIRE(first.read(i).value().scan.points_sensor == again.read(i).value().scan.points_sensor);
     REQUIRE(first.read(i).value().scan.points_sensor != other.read(i).value().scan.points_sensor);
   }
+}
+
+TEST_CASE("a simulated drive can be elsewhere and faster, and is then another input", "[cli]") {
+  const auto here = open_simulated({1, 7}).value(),
+             there = open_simulated({1, 7, "-33.9,18.4,20"}).value(),
+             fast = open_simulated({1, 7, "", 40}).value();
+  REQUIRE(here.identity != there.identity);
+  REQUIRE(here.identity != fast.identity);
+  const auto place = there.read(0).value().scan.ecef_from_sensor.translation().eval();
+  const auto corner = to_ecef({-33.9, 18.4, 20}).value();
+  REQUIRE((place - corner).norm() < 600);  // Somewhere in that city.
+  REQUIRE_FALSE(open_simulated({1, 7, "nowhere"}).has_value());
+  REQUIRE_FALSE(open_simulated({1, 7, "", -1}).has_value());
 }
 
 }  // namespace
