@@ -5,7 +5,7 @@
 #include <map>
 #include <utility>
 
-#include "base/crc32c.hpp"
+#include "bus/checksum.hpp"
 #include "bus/credit.hpp"
 #include "bus/incoming_stream.hpp"
 #include "bus/stream_producer.hpp"
@@ -89,8 +89,7 @@ bool StreamConsumer::State::acceptable(const Source& source, const chunk_t& chun
   if (ready_bytes + pieces_bytes > most) return false;
   const auto buffer = static_cast<std::int64_t>(
       config.receive_buffer_bytes / buffer_cost(source.account.chunk_bytes) + 1);
-  return chunk.seq < std::max(source.account.accept_below, source.stream.received() + buffer) &&
-         crc32c(chunk.data) == static_cast<std::uint32_t>(chunk.crc);
+  return chunk.seq < std::max(source.account.accept_below, source.stream.received() + buffer);
 }
 
 void StreamConsumer::State::take_data(Source& source, chunk_t&& chunk, std::int64_t now) {
@@ -137,7 +136,7 @@ void StreamConsumer::on_chunk(chunk_t&& chunk, std::int64_t now) {
   auto& state = *state_;
   if (state.config.client != 0 && !is_session_of(chunk.session, state.config.client)) return;
   const bool sound = chunk.size >= 0 && static_cast<std::size_t>(chunk.size) == chunk.data.size() &&
-                     check_fields(chunk).has_value();
+                     check_fields(chunk).has_value() && checksum(chunk) == chunk.crc;
   auto* source = sound ? state.source_of(chunk) : nullptr;
   if (source == nullptr || source->stream.broken()) {
     ++state.counters.refused;
@@ -231,6 +230,7 @@ ack_t StreamConsumer::State::acknowledge(Source& source, std::int64_t now) {
     source.gap_told_at = now;
     source.gap_again_us = std::min(2 * source.gap_again_us, kGapAgainMaxUs);
   }
+  ack.crc = checksum(ack);
   source.account.told_at = now;
   source.account.granted = false;
   source.ack_now = false;

@@ -9,6 +9,7 @@
 #include "base/check.hpp"
 #include "base/crc32c.hpp"
 #include "bus/ack_ranges.hpp"
+#include "bus/checksum.hpp"
 #include "bus/requests.hpp"
 #include "bus/send_window.hpp"
 
@@ -25,6 +26,7 @@ constexpr std::int64_t kClientBits = ~std::int64_t{0xffff};
 
 struct HeldChunk {
   chunk_t chunk;
+  std::uint32_t data_crc;
   std::int64_t sent_at = 0;
   bool resent = false;
 };
@@ -144,6 +146,7 @@ const chunk_t& StreamProducer::State::prepare(std::int64_t seq, std::int64_t now
   auto& held = at(seq);
   held.chunk.base = base();
   held.chunk.offered = offered;
+  held.chunk.crc = checksum(held.chunk, held.data_crc);
   held.sent_at = now;
   told = std::max(told, offered);
   ++counters.chunks_sent;
@@ -166,6 +169,7 @@ chunk_t StreamProducer::State::probe(std::int64_t now) {
   chunk.base = base();
   chunk.offered = offered;
   chunk.message = offered_messages - static_cast<std::int64_t>(messages.size());
+  chunk.crc = checksum(chunk);
   return chunk;
 }
 
@@ -212,8 +216,8 @@ std::int64_t StreamProducer::offer(MessageKind kind, Bytes payload) {
       chunk.data.assign(payload.begin() + static_cast<std::ptrdiff_t>(first),
                         payload.begin() + static_cast<std::ptrdiff_t>(last));
     }
-    chunk.crc = static_cast<std::int32_t>(crc32c(chunk.data));
-    state.chunks.push_back({std::move(chunk)});
+    const auto data_crc = crc32c(chunk.data);
+    state.chunks.push_back({std::move(chunk), data_crc});
   }
   state.held_bytes += bytes;
   state.messages.push_back({state.offered, bytes});
@@ -223,7 +227,8 @@ std::int64_t StreamProducer::offer(MessageKind kind, Bytes payload) {
 void StreamProducer::on_ack(const ack_t& ack, std::int64_t now) {
   auto& state = *state_;
   if (ack.session != state.session) return;
-  if (ack.received > state.sent_below || ack.committed > ack.received || ack.committed < 0) {
+  if (ack.crc != checksum(ack) || ack.received > state.sent_below || ack.committed > ack.received ||
+      ack.committed < 0) {
     ++state.counters.acks_refused;
     return;
   }

@@ -74,7 +74,7 @@ class StreamProducer {
 
   struct Counters {
     std::uint64_t chunks_sent = 0, chunks_resent = 0, probes = 0, acks = 0, consumer_restarts = 0;
-    std::uint64_t acks_refused = 0;  ///< Ones that contradict what was sent.
+    std::uint64_t acks_refused = 0;  ///< Damaged, or contradicting what was sent.
   };
   const Counters& counters() const;
 

@@ -119,7 +119,7 @@ Status check_shape(const char* shape, ByteView bytes) {
   "88"
 
 // clang-format off
-template <> const char* shape_of<ack_t>() { return "888884nb"; }
+template <> const char* shape_of<ack_t>() { return "8888844nb"; }
 template <> const char* shape_of<camera_t>() { return VOX_CAMERA_SHAPE; }
 template <> const char* shape_of<checkpoint_reply_t>() { return "8884ss"; }
 template <> const char* shape_of<checkpoint_request_t>() { return "888844"; }

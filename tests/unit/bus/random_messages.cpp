@@ -21,6 +21,7 @@ void RandomMessages::fill(ack_t& m) {
     first = ranges.back().end + 1;
   }
   set_ranges(m, ranges);
+  m.crc = small();
 }
 
 void RandomMessages::fill(camera_t& m) {

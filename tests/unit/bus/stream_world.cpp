@@ -37,11 +37,25 @@ void StreamWorld::offer_more(Peer& peer) {
   }
 }
 
+/// A wrong bit anywhere in the encoded message, now and then. What no decoder takes is lost.
+template <class Message>
+std::optional<Message> StreamWorld::damaged(std::optional<Message> message) {
+  if (!message || std::uniform_real_distribution<double>()(rng_) >= setup_.damage) return message;
+  auto bytes = encode_message(*message);
+  // Half of them where the fields are, which are few beside the data.
+  const auto range = rng_() % 2 == 0 ? bytes.size() : std::min<std::size_t>(bytes.size(), 72);
+  bytes[rng_() % range] ^= static_cast<std::uint8_t>(1u << rng_() % 8);
+  auto decoded = decode_message<Message>(bytes);
+  return decoded ? std::optional(std::move(*decoded)) : std::nullopt;
+}
+
 void StreamWorld::move_chunks() {
   for (auto& peer : peers) {
     for (const auto& chunk : peer.producer->poll(now)) chunk_wire_.send(chunk, now);
   }
-  while (auto chunk = chunk_wire_.receive(now)) {
+  while (auto sent = chunk_wire_.receive(now)) {
+    auto chunk = damaged(std::move(sent));
+    if (!chunk) continue;
     const auto cost =
         chunk->count == 0 ? 0 : buffer_cost(std::max<std::size_t>(1, chunk->data.size()));
     if (buffered_ + cost > setup_.buffer_bytes) {
@@ -101,7 +115,9 @@ void StreamWorld::commit_due() {
 
 void StreamWorld::move_acks() {
   for (const auto& ack : consumer->poll(now)) ack_wire_.send(ack, now);
-  while (const auto ack = ack_wire_.receive(now)) {
+  while (auto sent = ack_wire_.receive(now)) {
+    const auto ack = damaged(std::move(sent));
+    if (!ack) continue;
     for (auto& peer : peers) peer.producer->on_ack(*ack, now);
   }
 }

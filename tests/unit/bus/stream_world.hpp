@@ -2,6 +2,7 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <vector>
 
@@ -24,6 +25,7 @@ class StreamWorld {
     std::size_t most_bytes = 400'000;  ///< Of a message; sizes are random.
     WireFaults chunks;
     WireFaults acks;
+    double damage = 0;                 ///< Share of chunks and acknowledgements with a wrong bit.
     std::int64_t read_every_us = 0;    ///< 0: at once.
     std::int64_t take_every_us = 0;    ///< 0: the consumer takes messages when they are there.
     std::int64_t commit_after_us = 0;  ///< How long the consumer works on a message.
@@ -68,6 +70,8 @@ class StreamWorld {
  private:
   void offer_more(Peer& peer);
   void move_chunks();
+  template <class Message>
+  std::optional<Message> damaged(std::optional<Message> message);
   void move_acks();
   void read();
   void deliver(StreamMessage message);
