@@ -21,6 +21,7 @@ struct AtlasOptions {
   std::size_t cache_bytes = std::size_t{256} << 20;  ///< Budget for tiles in memory.
   std::size_t journal_max_bytes = std::size_t{40}
                                   << 20;  ///< Dirty tiles are flushed to stay below.
+  bool keep_journal = false;     ///< Records are never trimmed: all that ever was can be replayed.
   double rest_seconds = 2;       ///< Unchanged for so long after its flush, a tile is rested() ...
   std::size_t rest_bytes = 128;  ///< ... if its stored bytes are at least so many.
 };

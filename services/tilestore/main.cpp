@@ -66,6 +66,8 @@ static void declare(CLI::App& app, TilestoreOptions& options) {
   app.add_option("--rest-bytes", options.rest_bytes, "if it is stored in at least so many bytes")
       ->check(CLI::Range(0, 1 << 30))
       ->capture_default_str();
+  app.add_flag("--keep-journal", options.keep_journal,
+               "never trim the journal: what the model is made of can be replayed, on more disk");
   declare_model(app, options.model);
   app.add_flag_callback("--log-json", log_as_json, "log each event as one JSON object");
   app.set_config("--config", "", "read options from a TOML file");

@@ -39,6 +39,7 @@ AtlasOptions atlas_options(const MemoryPlan& plan, const TilestoreOptions& from)
   options.journal_max_bytes = from.journal_max_bytes;
   options.rest_seconds = from.rest_seconds;
   options.rest_bytes = from.rest_bytes;
+  options.keep_journal = from.keep_journal;
   return options;
 }
 

@@ -28,6 +28,7 @@ struct TilestoreOptions {
   std::size_t journal_max_bytes = AtlasOptions{}.journal_max_bytes;
   double rest_seconds = AtlasOptions{}.rest_seconds;
   std::size_t rest_bytes = AtlasOptions{}.rest_bytes;
+  bool keep_journal = false;
   ModelOptions model;
 };
 

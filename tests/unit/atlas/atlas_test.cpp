@@ -88,6 +88,32 @@ TEST_CASE("reading writes nothing and waits for no write, whatever is dirty", "[
   REQUIRE(writes == 1);
 }
 
+TEST_CASE("a journal that is kept holds every record, and the shard opens as it was", "[atlas]") {
+  AtlasOptions options;
+  options.keep_journal = true;
+  options.journal_max_bytes = 10'000;  // Tiles are flushed on the way.
+  MemoryStore store;
+  auto world = test::World(5, 30);
+  auto atlas = open_atlas(store, options);
+  for (int i = 0; i < 50; ++i) {
+    const auto scan = world.next_scan("car", 1);
+    REQUIRE(atlas->commit({&scan, 1}).has_value());
+    world.add(scan);
+  }
+  REQUIRE(atlas->flush().has_value());
+  int records = 0;
+  REQUIRE(store
+              .replay(0,
+                      [&](JournalPosition, ByteView) -> Status {
+                        ++records;
+                        return {};
+                      })
+              .has_value());
+  REQUIRE(records == 50);
+  atlas = open_atlas(store, options);
+  REQUIRE(world.difference(*atlas) == "");
+}
+
 TEST_CASE("any number of scans is one append", "[atlas]") {
   MemoryStore store;
   auto atlas = open_atlas(store);
