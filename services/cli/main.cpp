@@ -125,6 +125,8 @@ static void declare_publish(CLI::App& app, Command& command) {
                   "standard deviation of the points, localisation included, metres [0.02]");
   sub->add_option("--min-range", options.min_range,
                   "nearer returns are the vehicle, metres [2.5; simulated: 0]");
+  sub->add_option("--hz", options.hz, "at most so many scans a second, as a sensor would send them")
+      ->check(CLI::PositiveNumber);
   sub->add_option("--ingests", options.ingests, "how many ingests to spread over")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();

@@ -42,6 +42,8 @@ class PublishRun {
  private:
   Result<std::int64_t> work(std::int64_t now);
   Status publish_next(std::int64_t now);
+  bool may_publish(std::int64_t now) const;
+  std::int64_t next_due() const;
   bool finished() const;
   Status check_silence(std::int64_t now) const;
 
@@ -101,9 +103,21 @@ Status PublishRun::run() {
   return {};
 }
 
+/// When the next scan's turn comes, where a pace was asked for.
+std::int64_t PublishRun::next_due() const {
+  if (!options_.hz) return began_;
+  return began_ + static_cast<std::int64_t>(static_cast<double>(next_.seq - resumed_at_) * 1e6 /
+                                            *options_.hz);
+}
+
+bool PublishRun::may_publish(std::int64_t now) const {
+  return next_.seq < static_cast<std::int64_t>(input_.scans) && now >= next_due() &&
+         publisher_->has_room(now);
+}
+
 Result<std::int64_t> PublishRun::work(std::int64_t now) {
   const auto total = static_cast<std::int64_t>(input_.scans);
-  if (next_.seq < total && publisher_->has_room(now)) {
+  if (may_publish(now)) {
     if (auto published = publish_next(now); !published) return pass_on(published);
   }
   if (auto pumped = publisher_->pump(now); !pumped) return pass_on(pumped);
@@ -114,8 +128,9 @@ Result<std::int64_t> PublishRun::work(std::int64_t now) {
                               resumed_at_ + static_cast<std::int64_t>(publisher_->durable()), total,
                               static_cast<double>(rays_) / 1e6 / seconds));
   }
-  const bool more = next_.seq < total && publisher_->has_room(now);
-  return more ? now : publisher_->next_poll(now);
+  if (may_publish(now)) return now;
+  const auto next = publisher_->next_poll(now);
+  return now < next_due() ? std::min(next, next_due()) : next;
 }
 
 Status PublishRun::publish_next(std::int64_t now) {

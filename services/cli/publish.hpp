@@ -19,6 +19,7 @@ struct PublishOptions {
   std::optional<std::int64_t> session;  ///< Unset: the input's identity, so that it resumes.
   std::optional<double> sigma, min_range;
   std::int32_t ingests = 1;
+  std::optional<double> hz;  ///< At most so many scans a second.
   bool json = false;
 };
 
