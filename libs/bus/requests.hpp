@@ -25,9 +25,12 @@ class StoreClient {
   StoreClient(Bus& bus, Bus& port, const Endpoint& self);
   ~StoreClient();
 
+  std::int64_t client() const;  ///< Random, in every question.
+
   /// Errors: kUnavailable where the shard does not answer before the time is over, naming it.
   Result<model_reply_t> model(std::int32_t shard, const std::string& source, std::int64_t session,
                               std::int64_t timeout_us);
+  Result<model_reply_t> model(model_request_t request, std::int64_t timeout_us);
   Result<tiles_reply_t> tiles(tiles_request_t request, std::int64_t timeout_us);
 
   /// A copy of the shard, made now. Returns its folder's name within the model's folder.

@@ -169,12 +169,18 @@ StoreClient::~StoreClient() {
   for (const auto subscription : state_->subscriptions) state_->port.unsubscribe(subscription);
 }
 
+std::int64_t StoreClient::client() const { return state_->client; }
+
 Result<model_reply_t> StoreClient::model(std::int32_t shard, const std::string& source,
                                          std::int64_t session, std::int64_t timeout_us) {
   model_request_t request{};
   request.shard = shard;
   request.source = source;
   request.session = session;
+  return model(std::move(request), timeout_us);
+}
+
+Result<model_reply_t> StoreClient::model(model_request_t request, std::int64_t timeout_us) {
   return state_->ask(kModelRequestChannel, std::move(request), state_->models, timeout_us);
 }
 

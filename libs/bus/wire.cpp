@@ -128,8 +128,8 @@ template <> const char* shape_of<counter_t>() { return "s8"; }
 template <> const char* shape_of<frame_t>() {
   return "8884" "8411s" VOX_CAMERA_SHAPE "181448884" "888888" "11nb" "18nb";
 }
-template <> const char* shape_of<model_reply_t>() { return "888488" "8nb"; }
-template <> const char* shape_of<model_request_t>() { return "888844s8"; }
+template <> const char* shape_of<model_reply_t>() { return "8884888" "8nb"; }
+template <> const char* shape_of<model_request_t>() { return "888844s818"; }
 template <> const char* shape_of<render_request_t>() {
   return "88881" VOX_CAMERA_SHAPE "84nb" "81s111" "1114";
 }

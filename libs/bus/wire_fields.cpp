@@ -118,6 +118,9 @@ Status check_fields(const model_reply_t& reply) {
 
 template <>
 Status check_fields(const model_request_t& request) {
+  if (request.claim < 0 || request.claim > 2 || request.acked_below < 0) {
+    return expect(false, "claim and acked_below", request.claim, request.acked_below);
+  }
   return expect(request.shard >= 0 && request.reply_port >= 0, "shard and reply_port",
                 request.shard, request.reply_port);
 }

@@ -14,6 +14,7 @@
 #include "cli/model_client.hpp"
 #include "cli/progress.hpp"
 #include "cli/publisher.hpp"
+#include "cli/source_claim.hpp"
 
 namespace voxatlas {
 
@@ -52,6 +53,7 @@ class PublishRun {
   ScanIdentity next_;  ///< The next scan to publish.
   std::int64_t resumed_at_ = 0;
   std::unique_ptr<ModelClient> client_;
+  std::unique_ptr<SourceClaim> claim_;
   std::unique_ptr<Publisher> publisher_;
   Progress progress_;
   std::optional<Error> damage_;
@@ -69,6 +71,9 @@ Status PublishRun::start() {
   auto client = ModelClient::connect(options_.url);
   if (!client) return pass_on(client);
   client_ = std::move(*client);
+  auto claim = SourceClaim::take(*client_, next_.source, next_.session);
+  if (!claim) return pass_on(claim);
+  claim_ = std::move(*claim);
   auto durable = client_->durable_up_to(next_.source, next_.session);
   if (!durable) return pass_on(durable);
   next_.seq = resumed_at_ = *durable + 1;
@@ -121,6 +126,8 @@ Result<std::int64_t> PublishRun::work(std::int64_t now) {
     if (auto published = publish_next(now); !published) return pass_on(published);
   }
   if (auto pumped = publisher_->pump(now); !pumped) return pass_on(pumped);
+  const auto durable_below = std::max(resumed_at_, publisher_->durable_below());
+  if (auto claimed = claim_->pump(now, durable_below); !claimed) return pass_on(claimed);
   if (auto heard = check_silence(now); !heard) return pass_on(heard);
   if (progress_.due()) {
     const double seconds = static_cast<double>(now - began_) / 1e6;
@@ -129,7 +136,7 @@ Result<std::int64_t> PublishRun::work(std::int64_t now) {
                               static_cast<double>(rays_) / 1e6 / seconds));
   }
   if (may_publish(now)) return now;
-  const auto next = publisher_->next_poll(now);
+  const auto next = std::min(publisher_->next_poll(now), claim_->next_poll());
   return now < next_due() ? std::min(next, next_due()) : next;
 }
 

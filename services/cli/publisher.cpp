@@ -1,7 +1,6 @@
 #include "cli/publisher.hpp"
 
 #include <algorithm>
-#include <iterator>
 #include <limits>
 #include <utility>
 
@@ -79,14 +78,15 @@ Publisher::Ingest* Publisher::least_loaded(std::int64_t now) {
   return best;
 }
 
-void Publisher::give(Ingest& ingest, Bytes scan) {
+void Publisher::give(Ingest& ingest, std::int64_t seq, Bytes scan) {
   ingest.unacknowledged.push_back(
-      ingest.link->producer().offer(MessageKind::kScan, std::move(scan)));
+      {ingest.link->producer().offer(MessageKind::kScan, std::move(scan)), seq});
 }
 
 void Publisher::publish(const scan_t& scan, std::int64_t now) {
   VOX_CHECK(has_room(now));
-  give(*least_loaded(now), encode_message(scan));
+  give(*least_loaded(now), scan.seq, encode_message(scan));
+  next_seq_ = scan.seq + 1;
 }
 
 Status Publisher::note_ready(std::int64_t now) {
@@ -112,7 +112,11 @@ Status Publisher::leave_the_gone(std::int64_t now) {
                 ingest.unacknowledged.size());
     moved_ += ingest.unacknowledged.size();
     resent_by_gone_ += ingest.link->producer().counters().chunks_resent;
-    std::ranges::move(ingest.link->producer().uncommitted(), std::back_inserter(homeless_));
+    auto scans = ingest.link->producer().uncommitted();
+    VOX_CHECK(scans.size() == ingest.unacknowledged.size());
+    for (std::size_t i = 0; i < scans.size(); ++i) {
+      homeless_.emplace_back(ingest.unacknowledged[i].seq, std::move(scans[i]));
+    }
     ingest.unacknowledged.clear();
     if (auto added = add(index, 0); !added) return added;
   }
@@ -122,7 +126,7 @@ Status Publisher::leave_the_gone(std::int64_t now) {
 void Publisher::settle_homeless(std::int64_t now) {
   for (Ingest* ingest = least_loaded(now); ingest != nullptr && !homeless_.empty();
        ingest = least_loaded(now)) {
-    give(*ingest, std::move(homeless_.front()));
+    give(*ingest, homeless_.front().first, std::move(homeless_.front().second));
     homeless_.pop_front();
   }
 }
@@ -132,7 +136,7 @@ Status Publisher::pump(std::int64_t now) {
   for (auto& [index, ingest] : ingests_) {
     if (auto pumped = ingest.link->pump(now); !pumped) return pumped;
     const auto committed = ingest.link->producer().committed_messages();
-    while (!ingest.unacknowledged.empty() && ingest.unacknowledged.front() < committed) {
+    while (!ingest.unacknowledged.empty() && ingest.unacknowledged.front().number < committed) {
       ingest.unacknowledged.pop_front();
       ++durable_;
     }
@@ -148,6 +152,15 @@ std::int64_t Publisher::next_poll(std::int64_t now) const {
     next = std::min(next, ingest.link->producer().next_poll(now));
   }
   return next;
+}
+
+std::int64_t Publisher::durable_below() const {
+  auto below = next_seq_;
+  for (const auto& [seq, scan] : homeless_) below = std::min(below, seq);
+  for (const auto& [index, ingest] : ingests_) {
+    for (const auto& scan : ingest.unacknowledged) below = std::min(below, scan.seq);
+  }
+  return below;
 }
 
 std::int64_t Publisher::last_heard() const {

@@ -4,6 +4,7 @@
 #include <deque>
 #include <map>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "base/result.hpp"
@@ -42,6 +43,7 @@ class Publisher {
   std::int64_t next_poll(std::int64_t now) const;
 
   std::size_t in_flight() const;
+  std::int64_t durable_below() const;                 ///< Every scan with a lower seq is durable.
   std::uint64_t durable() const { return durable_; }  ///< Scans of this run.
   /// When any ingest was last heard of, steady microseconds; 0: never.
   std::int64_t last_heard() const;
@@ -49,11 +51,15 @@ class Publisher {
   std::uint64_t moved() const { return moved_; }  ///< Scans given to another ingest.
 
  private:
+  struct InFlight {
+    std::int64_t number = 0;  ///< Of the message in its ingest's stream,
+    std::int64_t seq = 0;     ///< of the scan in its source.
+  };
   struct Ingest {
     std::unique_ptr<OutLink> link;
     std::int64_t known_since = 0;
-    std::int64_t ready_at = 0;                ///< When it last said that it is ready; 0: never.
-    std::deque<std::int64_t> unacknowledged;  ///< Message numbers.
+    std::int64_t ready_at = 0;  ///< When it last said that it is ready; 0: never.
+    std::deque<InFlight> unacknowledged;
 
     std::int64_t last_heard() const;
     bool is_there(std::int64_t now) const;
@@ -65,13 +71,15 @@ class Publisher {
   Status leave_the_gone(std::int64_t now);
   void settle_homeless(std::int64_t now);
   Ingest* least_loaded(std::int64_t now);
-  void give(Ingest& ingest, Bytes scan);
+  void give(Ingest& ingest, std::int64_t seq, Bytes scan);
 
   Bus& bus_;
   Bus::Subscription statuses_ = 0;
   std::map<std::int32_t, Ingest> ingests_;
   std::vector<std::int32_t> ready_;  ///< Ingests heard of since the last pump().
-  std::deque<Bytes> homeless_;       ///< Scans of ingests that went, not given to others yet.
+  std::deque<std::pair<std::int64_t, Bytes>>
+      homeless_;               ///< Scans, by seq, of ingests that went; not given to others yet.
+  std::int64_t next_seq_ = 0;  ///< After the last one published.
   std::uint64_t durable_ = 0, moved_ = 0, resent_by_gone_ = 0;
 };
 

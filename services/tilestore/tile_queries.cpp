@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "base/log.hpp"
 #include "base/utime.hpp"
 #include "octree/tile_hash.hpp"
 
@@ -66,10 +67,23 @@ Result<model_reply_t> TileQueries::answer(const model_request_t& request) {
   reply.shard = static_cast<std::int32_t>(atlas_.shard());
   reply.epoch = static_cast<std::int64_t>(atlas_.epoch());
   reply.mark = request.source.empty() ? -1 : atlas_.mark(request.source, request.session);
+  if (request.claim == 1) claims_.claim(request.source, request.client, steady_utime());
+  if (request.claim == 2) claims_.give_back(request.source, request.client);
+  reply.holder = claims_.holder(request.source, steady_utime());
+  if (request.claim == 1 && reply.holder == request.client) check_mark(request, reply.mark);
   reply.disk_bytes = static_cast<std::int64_t>(*disk_bytes);
   reply.parameters = encode_parameters(atlas_.parameters());
   reply.size = static_cast<std::int32_t>(reply.parameters.size());
   return reply;
+}
+
+void TileQueries::check_mark(const model_request_t& request, std::int64_t mark) {
+  if (mark >= request.acked_below - 1) return;
+  ++marks_regressed_;
+  log_error(
+      "ALARM: acknowledged scans are lost: {}, session {}: all below {} were acknowledged, "
+      "this shard has them up to {}",
+      request.source, request.session, request.acked_below, mark);
 }
 
 Result<tiles_reply_t> TileQueries::answer(const tiles_request_t& request) {

@@ -282,6 +282,7 @@ StatusCounters TilestoreProcess::counters() const {
                      {"encoded_lossy", number(deltas.encoded_lossy)},
                      {"encoded_stale", number(deltas.encoded_stale)},
                      {"encoded_wrong", number(deltas.encoded_wrong)},
+                     {"marks_regressed", number(queries_->marks_regressed())},
                      {"updates_published", number(updates_published_)}};
   add_incoming(in_->consumer(), all);
   add_outgoing(raw_tiles_->producers(), all);

@@ -110,6 +110,7 @@ void RandomMessages::fill(model_reply_t& m) {
   m.shard = small();
   m.epoch = number();
   m.mark = small() - 1;
+  m.holder = number();
   m.disk_bytes = number();
   payload(m.size, m.parameters);
 }
@@ -123,6 +124,8 @@ void RandomMessages::fill(model_request_t& m) {
   m.shard = small();
   m.source = text();
   m.session = number();
+  m.claim = below<std::int8_t>(3);
+  m.acked_below = small();
 }
 
 void RandomMessages::fill(render_request_t& m) {

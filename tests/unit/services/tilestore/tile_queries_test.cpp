@@ -167,5 +167,31 @@ TEST_CASE("a shard says who it is and where a source stands", "[tilestore]") {
   REQUIRE(queries.answer(request)->mark == -1);
 }
 
+TEST_CASE(
+    "a shard says whose a source is, and raises an alarm where his acknowledged scans are lost",
+    "[tilestore]") {
+  MemoryStore store;
+  auto atlas = model(store, 1, 1);
+  TileQueries queries(*atlas, store);
+  model_request_t request{};
+  request.source = "car";
+  request.session = 9;  // Of which scan 0 is there.
+  REQUIRE(queries.answer(request)->holder == 0);
+  request.client = 5;
+  request.claim = 1;
+  request.acked_below = 1;
+  REQUIRE(queries.answer(request)->holder == 5);
+  REQUIRE(queries.marks_regressed() == 0);
+  request.acked_below = 2;
+  REQUIRE(queries.answer(request)->mark == 0);
+  REQUIRE(queries.marks_regressed() == 1);
+  request.client = 6;  // Not the publisher: what it says is not believed.
+  REQUIRE(queries.answer(request)->holder == 5);
+  REQUIRE(queries.marks_regressed() == 1);
+  request.client = 5;
+  request.claim = 2;
+  REQUIRE(queries.answer(request)->holder == 0);
+}
+
 }  // namespace
 }  // namespace voxatlas
