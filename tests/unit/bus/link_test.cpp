@@ -1,7 +1,9 @@
 // Links on a real bus: in the process's own queue (memq) everywhere, and on multicast where the
 // machine has it.
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cstdio>
+#include <cstdlib>
 
 #include "base/utime.hpp"
 #include "bus/bus_url.hpp"
@@ -66,6 +68,30 @@ TEST_CASE("a link carries messages of any size, in order, on any bus", "[bus]") 
   REQUIRE(out.has_value());
   const auto messages = random_messages(rng, 60, 700'000);
   REQUIRE(carry(**bus, **out, **in, messages) == messages);
+}
+
+TEST_CASE("where the bus leaves the machine, each chunk fits an Ethernet packet", "[bus]") {
+  // In a network namespace of its own only: nothing may truly leave the machine.
+  const char* in_namespace = std::getenv("VOX_NAMESPACE");
+  const std::string url = "udpm://239.255.76.67:7667?ttl=1";
+  if (in_namespace == nullptr || std::string(in_namespace) != "1" || !has(url)) return;
+  auto rng = test::engine();
+  auto bus = Bus::create(url);
+  REQUIRE(bus.has_value());
+  const auto endpoint = Endpoint::create(EndpointClass::kStore, 4);
+  auto in = InLink::create(**bus, *endpoint, {});
+  REQUIRE(in.has_value());
+  auto out = OutLink::create(**bus, *endpoint, {});
+  REQUIRE(out.has_value());
+  std::size_t largest = 0;
+  (*in)->port().subscribe_bytes(endpoint->chunk_channel(), [&](ByteView chunk) -> Status {
+    largest = std::max(largest, chunk.size());
+    return {};
+  });
+  const auto messages = random_messages(rng, 20, 100'000);
+  REQUIRE(carry(**bus, **out, **in, messages) == messages);
+  CHECK(largest > 1'300);
+  CHECK(largest <= 1'400);
 }
 
 }  // namespace
