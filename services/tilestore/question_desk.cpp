@@ -1,5 +1,7 @@
 #include "tilestore/question_desk.hpp"
 
+#include <type_traits>
+
 #include "base/log.hpp"
 #include "base/utime.hpp"
 #include "bus/channels.hpp"
@@ -13,6 +15,13 @@ constexpr std::size_t kRepliesBytes = std::size_t{1} << 20;
 constexpr std::int64_t kRepliesUs = 10'000'000;
 
 }  // namespace
+
+/// A claim would lapse where it had to wait for others' questions.
+template <class Request>
+static bool may_wait(const Request& request) {
+  if constexpr (std::is_same_v<Request, model_request_t>) return request.claim == 0;
+  return true;
+}
 
 QuestionDesk::QuestionDesk(Bus& bus, TileQueries& queries, std::int32_t shard)
     : bus_(bus),
@@ -52,7 +61,7 @@ Status QuestionDesk::answer(const Request& request, const char* reply_channel) {
     ++again_;
     return (*port)->publish_bytes(reply_channel, *given);
   }
-  if (!budget_.allows(now)) {
+  if (may_wait(request) && !budget_.allows(now)) {
     ++put_off_;
     return {};
   }
