@@ -60,6 +60,7 @@ class DiskFault(harness.SystemTest):
                 next(s for s in stores if s["counters"].get("scans_applied", 0) >= before)
             fault()
             for status in stores:
+                services.check_alive()
                 self.assertIsNone(publish.poll(), "the publish ended before the fault")
                 if words in status["state"]:
                     break
