@@ -1,28 +1,32 @@
 // How fast reliable streams are: over multicast with the default and the largest receive buffer,
-// and through the hub. Every process is real: it forks its consumers, producers and hub.
+// with datagrams lost, with eight producers, with a slow consumer, and through the hub. Every
+// process is real: it forks its consumers, producers and hub.
 //
-// Prints lines "name value unit". Multicast must work where it runs (scripts/bench sees to that).
+// Prints lines "name value unit". Multicast must work where it runs, and nftables to lose datagrams
+// (scripts/bench sees to that).
 #include <fmt/format.h>
-#include <sys/wait.h>
-#include <unistd.h>
+#include <sys/mman.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
 #include <cstdio>
-#include <cstdlib>
 
 #include "base/utime.hpp"
 #include "bus/bus_url.hpp"
-#include "bus/service_loop.hpp"
-#include "bus/stream_link.hpp"
+#include "bus_ends.hpp"
 #include "hub/hub_server.hpp"
 
+namespace voxatlas::bench {
 namespace {
 
-using namespace voxatlas;
-
 constexpr std::size_t kMessageBytes = std::size_t{4} << 20;
+/// One chunk: the slow consumer is to hold credit back, not to wait for the rest of a message.
+constexpr std::size_t kSmallBytes = 59'000;
 /// The kernel counts the double, so this is the 208 kB that a machine grants where nobody asks.
 constexpr const char* kDefaultBuffer = "&recv_buf_size=106496";
+constexpr int kProducers = 8;
+constexpr std::int64_t kSlowUs = 5'000;
 
 struct Options {
   std::string url = kDefaultBusUrl;
@@ -30,115 +34,83 @@ struct Options {
   std::string only;
 };
 
-[[noreturn]] void give_up(const std::string& what) {
-  fmt::print(stderr, "bench_bus: {}\n", what);
-  std::exit(1);
+Load load_of(std::int64_t megabytes) {
+  return {std::max<std::int64_t>(1, megabytes * 1'000'000 / std::int64_t{kMessageBytes}),
+          kMessageBytes};
 }
 
-template <class T>
-T must(Result<T> result) {
-  if (!result) give_up(result.error().message);
-  return std::move(*result);
-}
-
-const Endpoint kConsumer{EndpointClass::kStore, 99};
-
-template <class Child>
-pid_t in_child(Child child) {
-  const auto pid = ::fork();
-  if (pid != 0) return pid;
-  child();
-  std::_Exit(0);
-}
-
-void end_child(pid_t pid) {
-  ::kill(pid, SIGKILL);
-  ::waitpid(pid, nullptr, 0);
-}
-
-/// Takes messages and commits them at once; `work_us` at each.
-void consume(const std::string& url, std::int64_t work_us) {
-  auto bus = must(Bus::create(url));
-  auto in = must(InLink::create(*bus, kConsumer, {}));
-  ServiceLoop loop;
-  loop.buses = {&in->port()};
-  loop.work = [&](std::int64_t now) -> Result<std::int64_t> {
-    for (const auto& message : in->consumer().take()) {
-      const auto end = steady_utime() + work_us;
-      while (steady_utime() < end) {
-      }
-      in->consumer().commit(message.session, message.number);
-    }
-    if (auto pumped = in->pump(now); !pumped) return pass_on(pumped);
-    return in->consumer().next_poll(now);
-  };
-  if (auto ended = loop.run(); !ended) give_up(ended.error().message);
-}
-
-struct Sent {
-  double seconds = 0;
-  StreamProducer::Counters counters;
-};
-
-Sent produce(const std::string& url, std::int64_t messages) {
-  auto bus = must(Bus::create(url));
-  auto out = must(OutLink::create(*bus, kConsumer, {}));
-  const Bytes payload(kMessageBytes, 0x5a);
-  auto& producer = out->producer();
-  const auto start = steady_utime();
-  ServiceLoop loop;
-  loop.buses = {bus.get()};
-  loop.work = [&](std::int64_t now) -> Result<std::int64_t> {
-    while (producer.offered_messages() < messages && producer.held_bytes() < 4 * kMessageBytes) {
-      producer.offer(MessageKind::kScan, payload);
-    }
-    if (auto pumped = out->pump(now); !pumped) return pass_on(pumped);
-    return producer.next_poll(steady_utime());
-  };
-  loop.finished = [&] { return producer.committed_messages() == messages; };
-  if (auto ended = loop.run(); !ended) give_up(ended.error().message);
-  return {static_cast<double>(steady_utime() - start) / 1e6, producer.counters()};
+void print(const std::string& name, const char* what, double value, const char* unit) {
+  fmt::print("{}_{} {:.4g} {}\n", name, what, value, unit);
+  std::fflush(stdout);
 }
 
 void one_to_one(const std::string& name, const std::string& url, std::int64_t megabytes) {
   const auto consumer = in_child([&] { consume(url, 0); });
-  const auto messages = std::max<std::int64_t>(1, megabytes * 1'000'000 / kMessageBytes);
-  const auto sent = produce(url, messages);
-  end_child(consumer);
-  const double bytes = static_cast<double>(messages) * kMessageBytes;
-  fmt::print("{}_MBps {:.0f} MB/s\n", name, bytes / 1e6 / sent.seconds);
-  fmt::print("{}_resent {:.3f} %\n", name,
-             100.0 * static_cast<double>(sent.counters.chunks_resent) /
-                 static_cast<double>(sent.counters.chunks_sent));
+  const auto load = load_of(megabytes);
+  const auto sent = produce(url, load);
+  const auto took = end_child(consumer);
+  const double MB = static_cast<double>(load.messages) * kMessageBytes / 1e6;
+  print(name, "MBps", MB / sent.seconds, "MB/s");
+  print(name, "resent",
+        100.0 * static_cast<double>(sent.chunks_resent) / static_cast<double>(sent.chunks_sent),
+        "%");
+  print(name, "producer_cpu", 100 * sent.cpu_seconds / sent.seconds, "%");
+  print(name, "consumer_cpu", 100 * took.cpu_seconds / sent.seconds, "%");
+  print(name, "ack_bytes_per_MB", static_cast<double>(sent.ack_bytes) / MB, "bytes");
+}
+
+void run_nft(const std::string& arguments) {
+  if (std::system(("nft " + arguments).c_str()) != 0) give_up("nft " + arguments + " failed");
+}
+
+/// A datagram in twenty is lost before it reaches a socket, chunks and acknowledgements alike.
+void one_to_one_at_drop(const std::string& url, std::int64_t megabytes) {
+  run_nft(
+      "'add table inet voxatlas_bench; add chain inet voxatlas_bench in "
+      "{ type filter hook input priority 0; }; add rule inet voxatlas_bench in "
+      "ip protocol udp numgen random mod 100 < 5 drop'");
+  one_to_one("udpm_drop5", url, megabytes);
+  run_nft("delete table inet voxatlas_bench");
 }
 
 /// Eight producers on one default buffer: how fast together, and how far the slowest lags.
 void eight_to_one(const std::string& url, std::int64_t megabytes) {
   const auto consumer = in_child([&] { consume(url, 0); });
-  const auto messages = std::max<std::int64_t>(1, megabytes * 1'000'000 / kMessageBytes / 8);
-  int pipe_fds[2];
-  if (::pipe(pipe_fds) != 0) give_up("no pipe");
-  std::vector<pid_t> producers;
+  const auto load = load_of(megabytes / kProducers);
+  using Results = std::array<Sent, kProducers>;
+  auto* shared =
+      ::mmap(nullptr, sizeof(Results), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+  if (shared == MAP_FAILED) give_up("no memory to share");
+  auto& sent = *new (shared) Results;
+  std::array<pid_t, kProducers> producers{};
   const auto start = steady_utime();
-  for (int i = 0; i < 8; ++i) {
-    producers.push_back(in_child([&] {
-      const double seconds = produce(url, messages).seconds;
-      if (::write(pipe_fds[1], &seconds, sizeof seconds) != sizeof seconds) give_up("pipe");
-    }));
+  for (std::size_t i = 0; i < kProducers; ++i) {
+    producers[i] = in_child([&] { sent[i] = produce(url, load); });
   }
-  for (const auto pid : producers) ::waitpid(pid, nullptr, 0);
+  for (const auto pid : producers) wait_for_child(pid);
   const double seconds = static_cast<double>(steady_utime() - start) / 1e6;
   end_child(consumer);
-  double least = 1e9, most = 0;
-  for (int i = 0; i < 8; ++i) {
-    double one = 0;
-    if (::read(pipe_fds[0], &one, sizeof one) != sizeof one) give_up("pipe");
-    least = std::min(least, one);
-    most = std::max(most, one);
-  }
-  const double bytes = 8.0 * static_cast<double>(messages) * kMessageBytes;
-  fmt::print("udpm_default_8_MBps {:.0f} MB/s\n", bytes / 1e6 / seconds);
-  fmt::print("udpm_default_8_fastest_to_slowest {:.2f} ratio\n", least / most);
+  const auto [fastest, slowest] = std::ranges::minmax_element(sent, {}, &Sent::seconds);
+  std::uint64_t resent = 0;
+  for (const auto& one : sent) resent += one.chunks_resent;
+  print("udpm_default_8", "MBps",
+        kProducers * static_cast<double>(load.messages) * kMessageBytes / 1e6 / seconds, "MB/s");
+  print("udpm_default_8", "fastest_to_slowest", fastest->seconds / slowest->seconds, "ratio");
+  print("udpm_default_8", "chunks_resent", static_cast<double>(resent), "chunks");
+  ::munmap(shared, sizeof(Results));
+}
+
+/// A consumer that works 5 ms on each message sets the pace, and nobody's memory grows meanwhile.
+void to_slow_consumer(const std::string& url) {
+  const auto consumer = in_child([&] { consume(url, kSlowUs); });
+  const Load load{1'500, kSmallBytes};
+  const auto sent = produce(url, load);
+  const auto took = end_child(consumer);
+  print("udpm_slow", "ms_per_message", 1e3 * sent.seconds / static_cast<double>(load.messages),
+        "ms");
+  print("udpm_slow", "chunks_resent", static_cast<double>(sent.chunks_resent), "chunks");
+  print("udpm_slow", "producer_grew", sent.late_MB - sent.early_MB, "MB");
+  print("udpm_slow", "consumer_peak", took.peak_MB, "MB");
 }
 
 void through_hub(std::int64_t megabytes) {
@@ -152,22 +124,35 @@ void through_hub(std::int64_t megabytes) {
   end_child(server);
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
-  Options options;
-  CLI::App app{"speed of reliable streams"};
-  app.add_option("--url", options.url, "multicast bus to measure on")->capture_default_str();
-  app.add_option("--megabytes", options.megabytes, "to send in each case")->capture_default_str();
-  app.add_option("--only", options.only, "one case: udpm_default, udpm_large, udpm_8, hub");
-  CLI11_PARSE(app, argc, argv);
+void run(const Options& options) {
   const auto wanted = [&](const char* name) {
     return options.only.empty() || options.only == name;
   };
   const auto with_default = options.url + kDefaultBuffer;
   if (wanted("udpm_default")) one_to_one("udpm_default", with_default, options.megabytes);
-  if (wanted("udpm_large")) one_to_one("udpm_large", options.url, options.megabytes);
+  if (wanted("udpm_large")) {
+    print("udpm_large", "receive_buffer",
+          static_cast<double>(must(receive_buffer_of(options.url))) / 1e6, "MB");
+    one_to_one("udpm_large", options.url, options.megabytes);
+  }
+  if (wanted("udpm_drop5")) one_to_one_at_drop(options.url, options.megabytes / 2);
   if (wanted("udpm_8")) eight_to_one(with_default, options.megabytes);
+  if (wanted("udpm_slow")) to_slow_consumer(options.url);
   if (wanted("hub")) through_hub(options.megabytes / 4);
+}
+
+}  // namespace
+}  // namespace voxatlas::bench
+
+int main(int argc, char** argv) {
+  voxatlas::bench::Options options;
+  CLI::App app{"speed of reliable streams"};
+  app.add_option("--url", options.url, "multicast bus to measure on")->capture_default_str();
+  app.add_option("--megabytes", options.megabytes, "to send in each case")->capture_default_str();
+  app.add_option("--only", options.only, "one case")
+      ->check(CLI::IsMember(
+          {"udpm_default", "udpm_large", "udpm_drop5", "udpm_8", "udpm_slow", "hub"}));
+  CLI11_PARSE(app, argc, argv);
+  voxatlas::bench::run(options);
   return 0;
 }
