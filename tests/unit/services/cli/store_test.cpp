@@ -158,7 +158,7 @@ TEST_CASE("a model in use, or none, is refused in words", "[cli][store]") {
   const test::TempDir folder;
   const Written written(folder / "model", 1, any_seed(), "car", 3);
   const auto owner = RocksDbStore::open(folder / "model/shard-0").value();
-  const auto refused = run_store_stat({folder / "model", {}, {}});
+  const auto refused = run_store_compact({folder / "model", {}, {}});
   REQUIRE(refused.error().code == ErrorCode::kUnavailable);
   REQUIRE(refused.error().message.find("stop the set of services first") != std::string::npos);
   REQUIRE(run_store_verify({folder / "none", {}, {}}).error().code == ErrorCode::kNotFound);
