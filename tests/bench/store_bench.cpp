@@ -67,6 +67,14 @@ void run(const Options& options) {
     return options.only.empty() || options.only == name;
   };
   std::vector<Line> lines;
+  // First: it forks, and a child of a process that has used RocksDB lacks RocksDB's threads.
+  if (wanted("open_after_kill_s")) {
+    const auto opening = open_after_kill(options.dir + "/killed");
+    add(lines, {"open_after_kill_s", opening.seconds, "s"}, opening.seconds < 3, "below 3");
+    lines.push_back({"open_after_kill_journal", opening.journal_mib, "MiB"});
+    lines.push_back({"open_after_kill_records", opening.records, "records"});
+    lines.push_back({"open_after_kill_tiles", opening.tiles, "tiles"});
+  }
   if (wanted("tile_commit_vs_raw")) {
     compare(lines, "tile_commit_vs_raw", compare_tile_commits(options.dir + "/tiles"));
   }
@@ -76,13 +84,6 @@ void run(const Options& options) {
   if (wanted("space_after_8x")) {
     const double space = space_after_overwriting(options.dir + "/space");
     add(lines, {"space_after_8x", space, "of_live_bytes"}, space <= 1.6, "1.6 or less");
-  }
-  if (wanted("open_after_kill_s")) {
-    const auto opening = open_after_kill(options.dir + "/killed");
-    add(lines, {"open_after_kill_s", opening.seconds, "s"}, opening.seconds < 3, "below 3");
-    lines.push_back({"open_after_kill_journal", opening.journal_mib, "MiB"});
-    lines.push_back({"open_after_kill_records", opening.records, "records"});
-    lines.push_back({"open_after_kill_tiles", opening.tiles, "tiles"});
   }
   print(lines, options.json);
 }
