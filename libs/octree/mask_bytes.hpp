@@ -15,7 +15,7 @@ void put_word(std::uint64_t word, ByteWriter& out);
 void put_block(std::span<const std::uint64_t, 8> block, ByteWriter& out);
 void put_plane(std::span<const std::uint64_t, 64> plane, ByteWriter& out);
 
-/// Reads them back. False, at the byte that is wrong, where the input ends or a part that was
+/// Reads them back. False, at the block that is wrong, where the input ends or a part that was
 /// announced is zero; a set that is zero as a whole is well-formed.
 bool get_word(ByteReader& in, std::uint64_t& word);
 bool get_block(ByteReader& in, std::span<std::uint64_t, 8> block);

@@ -1,5 +1,7 @@
 #include "octree/tile_delta.hpp"
 
+#include <hwy/targets.h>
+
 #include <catch2/catch.hpp>
 #include <fstream>
 #include <iterator>
@@ -61,6 +63,26 @@ TEST_CASE("a delta survives its bytes", "[octree]") {
     const auto again = decode_delta(encoded(delta));
     REQUIRE(again.has_value());
     REQUIRE(*again == delta);
+  }
+}
+
+TEST_CASE("a delta has the same bytes with every set of instructions, and each reads them",
+          "[octree][oracle]") {
+  INFO("VOX_SEED=" << test::seed());
+  test::RandomOctree random(test::seed());
+  for (int round = 0; round < 100; ++round) {
+    const TileDelta delta = random.delta();
+    const auto bytes = encoded(delta);
+    for (const auto target : hwy::SupportedAndGeneratedTargets()) {
+      CAPTURE(hwy::TargetName(target), round);
+      hwy::SetSupportedTargetsForTest(target);
+      const auto same = encoded(delta);
+      const auto again = decode_delta(bytes);
+      hwy::SetSupportedTargetsForTest(0);
+      REQUIRE(same == bytes);
+      REQUIRE(again.has_value());
+      REQUIRE(*again == delta);
+    }
   }
 }
 
