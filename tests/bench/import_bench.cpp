@@ -2,15 +2,17 @@
 //
 // Prints lines `name value unit`. Every measurement is a process of its own, so that memory is what
 // one map takes; times are processor time of one thread, but for threads2_speedup. "cold" is the
-// first quarter of the scans, into an empty map; "warm", or nothing said, the others. "noise" is
-// how far two runs of ours lay apart. Where OctoMap carves less than 15 000 rays/s, which is slower
-// than the machine that this limit is of, a ratio's unit is x_void.
+// first quarter of the scans, into an empty map; "warm", or nothing said, the others. Ours is the
+// median of five runs, "noise" how far the fastest and the slowest lay apart. Where OctoMap carves
+// less than 15 000 rays/s, which is slower than the machine this limit is of, a ratio's unit is
+// x_void.
 #include <fmt/format.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 
@@ -56,19 +58,17 @@ ImportTiming in_child(const std::function<ImportTiming()>& measure) {
   return timing;
 }
 
-/// One case, both on the scans that OctoMap manages in its time; ours twice, for the noise.
+/// One case, both on the scans that OctoMap manages in its time; ours several times, as it is
+/// short.
 struct Pair {
-  ImportTiming ours, again, octomap;
+  static constexpr std::size_t kRuns = 5;
+  std::array<ImportTiming, kRuns> runs;  ///< Ascending by time.
+  ImportTiming octomap;
 
-  double warm() const {
-    return (ours.warm_rays + again.warm_rays) / (ours.warm_cpu + again.warm_cpu);
-  }
-  double cold() const {
-    return (ours.cold_rays + again.cold_rays) / (ours.cold_cpu + again.cold_cpu);
-  }
-  double noise() const {
-    return std::abs(ours.cpu() - again.cpu()) / std::min(ours.cpu(), again.cpu());
-  }
+  const ImportTiming& ours() const { return runs[kRuns / 2]; }
+  double warm() const { return ours().warm_rays / ours().warm_cpu; }
+  double cold() const { return ours().cold_rays / ours().cold_cpu; }
+  double noise() const { return (runs.back().cpu() - runs.front().cpu()) / ours().cpu(); }
 };
 
 Pair measure(const std::vector<Scan>& scans, const IntegrationParameters& how,
@@ -77,8 +77,9 @@ Pair measure(const std::vector<Scan>& scans, const IntegrationParameters& how,
   pair.octomap = in_child([&] { return import_octomap(scans, how, octomap_seconds); });
   const auto count = static_cast<std::ptrdiff_t>(pair.octomap.scans);
   const std::vector<Scan> same(scans.begin(), scans.begin() + count);
-  for (auto* ours : {&pair.ours, &pair.again})
-    *ours = in_child([&] { return import_ours(same, how); });
+  for (auto& run : pair.runs) run = in_child([&] { return import_ours(same, how); });
+  std::sort(pair.runs.begin(), pair.runs.end(),
+            [](const auto& a, const auto& b) { return a.cpu() < b.cpu(); });
   return pair;
 }
 
@@ -118,9 +119,9 @@ std::vector<Line> run(const std::vector<Scan>& scans, const Options& options) {
   add_case(lines, "surface", "", measure(scans, surface, seconds), valid);
   add_case(lines, "free80", "", measure(scans, free80, seconds), valid);
   lines.push_back({"threads2_speedup", two_threads_speedup(scans, carve100), "x"});
-  lines.push_back(
-      {"memory_vs_octomap", carve.ours.resident_bytes / carve.octomap.resident_bytes, "fraction"});
-  lines.push_back({"delta_bytes_per_ray", carve.ours.delta_bytes / carve.ours.rays(), "bytes"});
+  lines.push_back({"memory_vs_octomap", carve.ours().resident_bytes / carve.octomap.resident_bytes,
+                   "fraction"});
+  lines.push_back({"delta_bytes_per_ray", carve.ours().delta_bytes / carve.ours().rays(), "bytes"});
   lines.push_back({"ratios_void", valid ? 0.0 : 1.0, "flag"});
   lines.push_back({"octomap_carve100_scans", carve.octomap.scans, "scans"});
   return lines;

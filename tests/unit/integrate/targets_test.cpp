@@ -60,6 +60,16 @@ TEST_CASE("a street's scans change the same bytes with every set of instructions
   require_same_on_all(test::street_scans(2), parameters);
 }
 
+TEST_CASE("a real scan changes the same bytes with every set of instructions",
+          "[integrate][oracle]") {
+  const auto scans = test::real_scans(1);
+  if (scans.empty()) {
+    WARN("skipped: no real scans in " << test::data_folder() << " (VOX_DATA)");
+    return;
+  }
+  require_same_on_all(scans, {7, 7, 0, 120});
+}
+
 TEST_CASE("coloured rays on borders change the same bytes with every set of instructions",
           "[integrate][oracle]") {
   auto rng = test::engine();
