@@ -111,8 +111,9 @@ IntegrationCounts Integrator::State::mark(const Scan& scan) {
     if (ray.kind == Ray::kHit) {
       const auto& voxel = ray.end_voxel;
       const auto place = hit_shift == 0 ? set_voxel_mark(hits, voxel.x(), voxel.y(), voxel.z())
-                                        : set_mark(hits, VoxelIndex(voxel.unaryExpr(
-                                              [&](int at) { return at >> hit_shift; })));
+                                        : set_mark(hits, VoxelIndex(voxel.unaryExpr([&](int at) {
+                                                     return at >> hit_shift;
+                                                   })));
       if (!scan.colours.empty()) seen.push_back({place, scan.colours[i]});
     } else if (ray.kind != Ray::kBeyondMax) {
       continue;
