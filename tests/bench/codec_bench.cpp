@@ -27,6 +27,11 @@ struct Line {
 
 using Lines = std::vector<Line>;
 
+/// On standard error, as the whole takes minutes.
+void progress(const std::string& model, const std::string& what) {
+  fmt::print(stderr, "bench_codec: {}{}\n", model, what);
+}
+
 /// A row's name as part of a line's.
 std::string slug(const std::string& name) {
   std::string result;
@@ -82,11 +87,42 @@ void add_figure_7(const std::string& prefix, const std::vector<Figure7Row>& rows
 }
 
 void add_model(const std::string& prefix, const CodecModel& model, bool tables, Lines& lines) {
+  progress(prefix, fmt::format("codecs, {} tiles", model.tiles.size()));
   add_figures(prefix, measure_codecs(model), octomap_zstd19(model), lines);
   if (!tables) return;
+  progress(prefix, "figure 8 (minutes)");
   add_figure_8(prefix, figure_8(model), lines);
   add_figure_8(prefix + "tile_", figure_8(representative(model)), lines);
+  progress(prefix, "figure 7");
   add_figure_7(prefix, figure_7(model), lines);
+}
+
+/// What the uncoloured models must reach. A miss is said on standard error; the line stays as it
+/// is.
+void judge(const Lines& lines) {
+  struct Target {
+    const char* name;
+    double least, most;
+  };
+  constexpr double kNone = 1e99;
+  constexpr Target kTargets[] = {
+      {"lossless_vs_ot_zstd19", 0, 0.60}, {"lossless_reduction_vs_8B_node", 0.95, kNone},
+      {"lossy6_vs_lossless", 0, 0.80},    {"dense_encode_MBps", 20, kNone},
+      {"dense_decode_MBps", 150, kNone},  {"fast_encode_MBps", 300, kNone},
+      {"fast_decode_MBps", 1000, kNone},
+  };
+  for (const auto& line : lines) {
+    for (const auto& target : kTargets) {
+      if (line.name != fmt::format("sim_{}", target.name) &&
+          line.name != fmt::format("real_{}", target.name)) {
+        continue;
+      }
+      if (line.value >= target.least && line.value <= target.most) continue;
+      fmt::print(stderr, "bench_codec: {} is {:.4g}, the target is {}\n", line.name, line.value,
+                 target.most < kNone ? fmt::format("at most {}", target.most)
+                                     : fmt::format("at least {}", target.least));
+    }
+  }
 }
 
 void print(const Lines& lines, bool json) {
@@ -110,6 +146,7 @@ int serve(const Options& options) {
   Lines lines;
   for (const auto& [name, make] : models) {
     if (!options.only.empty() && options.only != name) continue;
+    progress(name, ": making the model");
     auto model = make();
     if (!model) {
       fmt::print(stderr, "bench_codec: {}\n", model.error().message);
@@ -118,6 +155,7 @@ int serve(const Options& options) {
     add_model(name + "_", *model, options.tables, lines);
   }
   print(lines, options.json);
+  judge(lines);
   return 0;
 }
 

@@ -1,11 +1,12 @@
 // What the tile store costs over the engine below it, and how long it takes to come back.
 //
-//   bench_store [--dir DIR] [--json] [--only NAME]
+//   bench_store [--dir DIR] [--data DIR --poses FILE] [--json] [--only NAME]
 //
 // tile_commit_vs_raw       tiles written, 32 a put, over raw RocksDB's rate with the same rows
 // journal_commit16_vs_raw  1.5 kB records by 16 threads at once on one shard, likewise
 // space_after_8x           bytes on disk over live bytes, after each tile was written 8 times
-// open_after_kill_s        a shard opened after kill -9 with a full journal, seconds
+// open_after_kill_s        a shard opened after kill -9 with a full journal, seconds; with --data
+//                          also real_open_after_kill_s, of those scans in place of simulated ones
 //
 // Ours and raw take turns in short slices, so that both see the same disk; a ratio is the median
 // over the slices. Lines are "name value unit"; the targets stand in the third column's words.
@@ -20,8 +21,7 @@ namespace voxatlas::bench {
 namespace {
 
 struct Options {
-  std::string dir;
-  std::string only;
+  std::string dir, data, poses = "poses.txt", only;
   bool json = false;
 };
 
@@ -62,18 +62,24 @@ void compare(std::vector<Line>& lines, const std::string& name, const Comparison
   lines.push_back({name + "_raw", found.raw_per_s, "1/s"});
 }
 
+void opened(std::vector<Line>& lines, const std::string& prefix, const Opening& opening) {
+  add(lines, {prefix + "open_after_kill_s", opening.seconds, "s"}, opening.seconds < 3, "below 3");
+  lines.push_back({prefix + "open_after_kill_journal", opening.journal_mib, "MiB"});
+  lines.push_back({prefix + "open_after_kill_records", opening.records, "records"});
+  lines.push_back({prefix + "open_after_kill_tiles", opening.tiles, "tiles"});
+}
+
 void run(const Options& options) {
   const auto wanted = [&](const char* name) {
     return options.only.empty() || options.only == name;
   };
   std::vector<Line> lines;
-  // First: it forks, and a child of a process that has used RocksDB lacks RocksDB's threads.
   if (wanted("open_after_kill_s")) {
-    const auto opening = open_after_kill(options.dir + "/killed");
-    add(lines, {"open_after_kill_s", opening.seconds, "s"}, opening.seconds < 3, "below 3");
-    lines.push_back({"open_after_kill_journal", opening.journal_mib, "MiB"});
-    lines.push_back({"open_after_kill_records", opening.records, "records"});
-    lines.push_back({"open_after_kill_tiles", opening.tiles, "tiles"});
+    const bool real = !options.data.empty();
+    simulate_and_kill(options.dir + "/killed");
+    if (real) drive_and_kill(options.dir + "/killed-real", options.data, options.poses);
+    opened(lines, "", open_after_kill(options.dir + "/killed"));
+    if (real) opened(lines, "real_", open_after_kill(options.dir + "/killed-real"));
   }
   if (wanted("tile_commit_vs_raw")) {
     compare(lines, "tile_commit_vs_raw", compare_tile_commits(options.dir + "/tiles"));
@@ -115,6 +121,9 @@ int main(int argc, char** argv) {
   options.dir = std::filesystem::temp_directory_path().string();
   CLI::App app{"the tile store against raw RocksDB, its space and its recovery"};
   app.add_option("--dir", options.dir, "on which disk; about 3 GB are used for a while");
+  app.add_option("--data", options.data, "scans in KITTI odometry form, for open_after_kill_s");
+  app.add_option("--poses", options.poses, "the pose file, looked up in the folder first")
+      ->capture_default_str();
   app.add_option("--only", options.only, "one of the four lines");
   app.add_flag("--json", options.json, "print as one JSON object");
   CLI11_PARSE(app, argc, argv);
