@@ -65,9 +65,7 @@ void paint_cells(const TileColours& colours, int depth, BrickTable& table) {
       summary.add({0, colours.bricks[i].mean}, colours.bricks[i].voxels);
     }
     const LogOdds log_odds = table.uniform_log_odds(first);
-    for (unsigned brick = first; brick < first + count; ++brick) {
-      table.make_uniform(brick, {log_odds, summary.state()->colour});
-    }
+    table.make_uniform(BrickRange{first, count}, {log_odds, summary.state()->colour});
   }
 }
 
@@ -75,6 +73,7 @@ void paint_cells(const TileColours& colours, int depth, BrickTable& table) {
 
 TileColours colours_of(const BrickTable& table) {
   TileColours colours;
+  if (!table.has_colours()) return colours;
   for (unsigned i = 0; i < kBricks; ++i) {
     if (table.colours(i) != nullptr) colours.bricks.push_back(coloured_brick(table, i));
   }

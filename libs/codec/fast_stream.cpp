@@ -6,41 +6,15 @@
 #include <bit>
 #include <cstring>
 
+#include "base/check.hpp"
+#include "codec/fast_content.hpp"
+#include "codec/fast_places.hpp"
 #include "octree/brick_table.hpp"
 
 namespace voxatlas {
 namespace {
 
 using Kind = Pyramid::Kind;
-
-/// Places as a plane of low bytes and, where the palette has more than 255 values, one of high.
-void put_places(const std::vector<std::uint32_t>& places, bool wide, ByteWriter& out) {
-  Bytes plane(places.size());
-  for (unsigned shift = 0; shift <= (wide ? 8u : 0u); shift += 8) {
-    for (std::size_t i = 0; i < places.size(); ++i) {
-      plane[i] = static_cast<std::uint8_t>(places[i] >> shift);
-    }
-    out.put_bytes(plane);
-  }
-}
-
-class PlaceReader {
- public:
-  PlaceReader(ByteReader& in, std::size_t count, bool wide)
-      : low_(in.get_bytes(count)), high_(in.get_bytes(wide ? count : 0)) {}
-
-  std::uint32_t at(std::size_t i) const {
-    return low_[i] | (high_.empty() ? 0u : std::uint32_t{high_[i]} << 8);
-  }
-
- private:
-  ByteView low_, high_;
-};
-
-/// Places above this need a second byte.
-constexpr std::size_t kNarrow = 255;
-
-bool is_wide(const std::vector<LogOdds>& palette) { return palette.size() > kNarrow; }
 
 tl::unexpected<Error> corrupt(const char* what, std::size_t value) {
   return fail(ErrorCode::kCorrupt, fmt::format("tile: {} {}", what, value));
@@ -57,19 +31,47 @@ bool get_colour(ByteReader& in, Colour& colour) {
   return in.ok() && colour.exists() && colour.count <= Colour::kMaxCount;
 }
 
-/// Kinds, palette, the ground of slots that know anything, the highest place of mixed ones.
-void put_slots(const Pyramid& pyramid, ByteWriter& out) {
-  out.put_varint(pyramid.palette.size());
-  for (const LogOdds value : pyramid.palette) out.put(value);
-  std::vector<std::uint32_t> ground, highest;
-  for (unsigned i = 0; i < kBricks; ++i) {
-    const auto& slot = pyramid.slots[i];
-    out.put(static_cast<std::uint8_t>(slot.kind));
-    if (slot.kind != Kind::kEmpty) ground.push_back(slot.ground);
-    if (slot.kind == Kind::kMixed) highest.push_back(slot.highest);
+/// The palette of a tile, and the place of each content.
+class Palette {
+ public:
+  explicit Palette(const FastContent& tile) {
+    for (const auto content : tile.ground) mark(content);
+    for (const auto content : tile.exceptions) mark(content);
+    std::sort(values.begin(), values.end());
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      places_[index_of(values[i])] = static_cast<Place>(i + 1);
+    }
   }
-  put_places(ground, is_wide(pyramid.palette), out);
-  put_places(highest, is_wide(pyramid.palette), out);
+
+  std::vector<Place> places_of(const std::vector<Content>& contents) const {
+    std::vector<Place> places(contents.size());
+    std::transform(contents.begin(), contents.end(), places.begin(), [&](Content content) {
+      return content == kNothing ? kUnknown : places_[index_of(content)];
+    });
+    return places;
+  }
+
+  std::vector<LogOdds> values;
+
+ private:
+  static std::size_t index_of(Content content) { return static_cast<std::uint16_t>(content); }
+
+  void mark(Content content) {
+    if (content == kNothing || places_[index_of(content)] != 0) return;
+    places_[index_of(content)] = 1;
+    values.push_back(static_cast<LogOdds>(content));
+  }
+
+  std::vector<Place> places_ = std::vector<Place>(std::size_t{1} << 16);
+};
+
+/// Kinds, palette, the ground of slots that know anything, the highest place of mixed ones.
+void put_slots(const FastContent& tile, const Palette& palette, ByteWriter& out) {
+  out.put_varint(palette.values.size());
+  for (const LogOdds value : palette.values) out.put(value);
+  out.put_bytes(tile.kinds);
+  put_places(palette.places_of(tile.ground), is_wide(palette.values), out);
+  put_places(palette.places_of(tile.highest), is_wide(palette.values), out);
 }
 
 Status get_palette(ByteReader& in, std::vector<LogOdds>& palette) {
@@ -85,18 +87,22 @@ Status get_palette(ByteReader& in, std::vector<LogOdds>& palette) {
 Status get_slots(ByteReader& in, Pyramid& pyramid) {
   if (auto ok = get_palette(in, pyramid.palette); !ok) return ok;
   const ByteView kinds = in.get_bytes(kBricks);
-  std::size_t known = 0, mixed = 0;
-  for (std::size_t i = 0; i < kinds.size(); ++i) {
-    if (kinds[i] > 2) return corrupt("a slot of kind", kinds[i]);
-    pyramid.slots[i].kind = static_cast<Kind>(kinds[i]);
-    known += kinds[i] != 0 ? 1 : 0;
-    mixed += kinds[i] == 2 ? 1 : 0;
+  if (const auto kind = PlaceReader::largest_byte(kinds); kind > 2) {
+    return corrupt("a slot of kind", kind);
   }
+  const auto count_of_kind = [&](Kind kind) {
+    return static_cast<std::size_t>(
+        std::count(kinds.begin(), kinds.end(), static_cast<std::uint8_t>(kind)));
+  };
+  const std::size_t mixed = count_of_kind(Kind::kMixed);
+  const std::size_t known = mixed + count_of_kind(Kind::kUniform);
   const bool wide = is_wide(pyramid.palette);
   const PlaceReader ground(in, known, wide), highest(in, mixed, wide);
   if (!in.ok()) return corrupt("slots: too short for", known);
   std::size_t at = 0, at_mixed = 0;
-  for (auto& slot : pyramid.slots) {
+  for (std::size_t i = 0; i < kBricks; ++i) {
+    auto& slot = pyramid.slots[i];
+    slot.kind = static_cast<Kind>(kinds[i]);
     if (slot.kind == Kind::kEmpty) continue;
     const auto own = ground.at(at++);
     const bool is_mixed = slot.kind == Kind::kMixed;
@@ -149,21 +155,6 @@ Status get_brick_colours(ByteReader& in, const Pyramid& pyramid, TileColours& co
   return {};
 }
 
-/// A brick's mask, in Morton order: which voxels are not the ground.
-constexpr std::size_t kMaskBytes = kBrickVoxels / 8;
-
-/// A mask for each mixed brick, and the places of what it holds.
-void put_voxels(const Pyramid& pyramid, ByteWriter& out) {
-  std::vector<std::uint32_t> places;
-  places.reserve(pyramid.bricks.size() * 64);
-  for (const auto& brick : pyramid.bricks) {
-    const auto* mask = brick.voxel_mask();
-    out.put_bytes({mask, kMaskBytes});
-    for_each_exception(mask, [&](unsigned code) { places.push_back(brick.voxels()[code]); });
-  }
-  put_places(places, is_wide(pyramid.palette), out);
-}
-
 void put_voxel_colours(const TileColours& colours, ByteWriter& out) {
   for (const auto& brick : colours.bricks) {
     if (brick.uniform) continue;
@@ -184,16 +175,37 @@ VoxelMask get_mask(ByteReader& in) {
   return mask;
 }
 
+std::size_t bits_of(ByteView masks) {
+  std::size_t count = 0;
+  for (std::size_t at = 0; at < masks.size(); at += sizeof(std::uint64_t)) {
+    std::uint64_t word;
+    std::memcpy(&word, masks.data() + at, sizeof word);
+    count += static_cast<std::size_t>(std::popcount(word));
+  }
+  return count;
+}
+
 /// The places of all voxels that are not their brick's ground, none beyond the palette.
 Result<PlaceReader> get_places(ByteReader& in, ByteView masks, std::size_t palette) {
-  std::size_t count = 0;
-  for (const auto byte : masks) count += static_cast<std::size_t>(std::popcount(byte));
+  const std::size_t count = bits_of(masks);
   PlaceReader places(in, count, palette > kNarrow);
   if (!in.ok()) return corrupt("voxels: too short for", count);
-  std::uint32_t largest = 0;
-  for (std::size_t i = 0; i < count; ++i) largest = std::max(largest, places.at(i));
-  if (largest > palette) return corrupt("a voxel of place", largest);
+  if (places.largest() > palette) return corrupt("a voxel of place", places.largest());
   return places;
+}
+
+/// The bricks, of what next() gives for one exception after the other.
+template <class Next>
+void fill_bricks(const Pyramid& pyramid, ByteView masks, Next next, BrickTable& table) {
+  const auto values = pyramid.values();
+  const std::uint8_t* mask = masks.data();
+  for (unsigned i = 0; i < kBricks; ++i) {
+    const auto& slot = pyramid.slots[i];
+    if (slot.kind == Kind::kUniform) table.make_uniform(i, {values[slot.ground], {}});
+    if (slot.kind != Kind::kMixed) continue;
+    fill_brick(table.expand(i), slot.ground, mask, values, [&](unsigned) { return next(); });
+    mask += kMaskBytes;
+  }
 }
 
 Status get_voxels(ByteReader& in, const Pyramid& pyramid, BrickTable& table) {
@@ -203,16 +215,13 @@ Status get_voxels(ByteReader& in, const Pyramid& pyramid, BrickTable& table) {
   const ByteView masks = in.get_bytes(mixed * kMaskBytes);
   auto places = get_places(in, masks, pyramid.palette.size());
   if (!places) return pass_on(places);
-  const auto values = pyramid.values();
-  const std::uint8_t* mask = masks.data();
-  std::size_t next = 0;
-  for (unsigned i = 0; i < kBricks; ++i) {
-    const auto& slot = pyramid.slots[i];
-    if (slot.kind == Kind::kUniform) table.make_uniform(i, {values[slot.ground], {}});
-    if (slot.kind != Kind::kMixed) continue;
-    fill_brick(table.expand(i), slot.ground, mask, values,
-               [&](unsigned) { return places->at(next++); });
-    mask += kMaskBytes;
+  std::size_t at = 0;
+  if (places->wide()) {
+    fill_bricks(
+        pyramid, masks, [&] { return places->both(at++); }, table);
+  } else {
+    fill_bricks(
+        pyramid, masks, [&] { return places->low(at++); }, table);
   }
   return {};
 }
@@ -243,12 +252,15 @@ Status get_voxel_colours(ByteReader& in, const TileColours& colours, BrickTable&
 FastParts encode_fast(const TileTree& tree) {
   FastParts parts;
   if (tree.empty()) return parts;
-  const auto pyramid = pyramid_of(*tree.bricks());
+  const auto content = fast_content_of(*tree.bricks());
   const auto colours = colours_of(*tree.bricks());
+  const Palette palette(content);
+  VOX_CHECK(palette.values.size() < std::size_t{1} << 16);
   ByteWriter head(parts.head), body(parts.body);
-  put_slots(pyramid, head);
+  put_slots(content, palette, head);
   put_brick_colours(colours, head);
-  put_voxels(pyramid, body);
+  body.put_bytes(content.masks);
+  put_places(palette.places_of(content.exceptions), is_wide(palette.values), body);
   put_voxel_colours(colours, body);
   return parts;
 }

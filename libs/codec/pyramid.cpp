@@ -208,10 +208,19 @@ void cut_above_bricks(const Pyramid& pyramid, int depth, BrickTable& table) {
       highest = std::max(highest, pyramid.slots[i].highest);
     }
     if (highest == kUnknown) continue;
-    for (unsigned i = first; i < first + count; ++i) {
-      table.make_uniform(i, {pyramid.palette[highest - 1u], {}});
-    }
+    table.make_uniform(BrickRange{first, count}, {pyramid.palette[highest - 1u], {}});
   }
+}
+
+/// Whether any voxel has it; unknown ones have 0. Without a way out of a brick: in vectors.
+bool holds(const BrickTable& table, LogOdds value) {
+  bool found = false;
+  for (unsigned i = 0; i < kBricks && !found; ++i) {
+    found = table.is_uniform(i) && table.uniform_log_odds(i) == value;
+    if (!table.is_mixed(i)) continue;
+    for (const LogOdds each : table.mixed(i).log_odds) found |= each == value;
+  }
+  return found;
 }
 
 }  // namespace
@@ -222,7 +231,10 @@ std::vector<LogOdds> Pyramid::values() const {
   return values;
 }
 
-bool places_fit(const BrickTable& table) { return Places(table).palette.size() < kValues; }
+bool places_fit(const BrickTable& table) {
+  constexpr LogOdds kLowest = INT16_MIN;  // Outside |L| < 8, so rare.
+  return !holds(table, kLowest) || Places(table).palette.size() < kValues;
+}
 
 Pyramid pyramid_of(const BrickTable& table) {
   Pyramid pyramid;

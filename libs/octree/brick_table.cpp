@@ -43,6 +43,22 @@ void BrickTable::make_uniform(unsigned brick, const CellState& state) {
   }
 }
 
+void BrickTable::make_uniform(BrickRange range, const CellState& state) {
+  const bool coloured = state.colour.exists();
+  if (coloured) colours_.reserve(colours_.size() + range.count);
+  if (coloured || !is_empty(range)) {
+    for (unsigned i = 0; i < range.count; ++i) make_uniform(range.first + i, state);
+    return;
+  }
+  if (range.count < 64) {
+    known_[range.first / 64] |= ((std::uint64_t{1} << range.count) - 1) << range.first % 64;
+  } else {
+    std::fill_n(known_.begin() + range.first / 64, range.count / 64, ~std::uint64_t{0});
+  }
+  std::fill_n(slots_.begin() + range.first, range.count,
+              static_cast<std::uint16_t>(state.log_odds));
+}
+
 void BrickTable::set_uniform_log_odds(unsigned brick, LogOdds log_odds) {
   slots_[brick] = static_cast<std::uint16_t>(log_odds);
   if (log_odds < 0) drop_colours(brick);

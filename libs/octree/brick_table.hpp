@@ -38,11 +38,13 @@ class BrickTable {
   CellState uniform_state(unsigned brick) const;
   const Brick& mixed(unsigned brick) const { return pool_[slots_[brick]]; }
   Brick& mixed(unsigned brick) { return pool_[slots_[brick]]; }
+  bool has_colours() const { return !colours_.empty(); }
   /// nullptr where the brick has no colour.
   const BrickColours* colours(unsigned brick) const;
 
   void make_empty(unsigned brick);
   void make_uniform(unsigned brick, const CellState& state);
+  void make_uniform(BrickRange range, const CellState& state);  ///< Each of them.
   /// Changes a uniform slot's log-odds and leaves its colour.
   void set_uniform_log_odds(unsigned brick, LogOdds log_odds);
   /// The slot as a mixed one, of the same function, for the caller to change and then settle().
