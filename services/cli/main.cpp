@@ -91,6 +91,9 @@ static void add_drive(CLI::App& app, SimulatedInput& drive) {
   app.add_option("--place", drive.place, "LAT,LON,HEIGHT of the simulated city's middle [Munich]");
   app.add_option("--speed", drive.speed, "of the simulated car, metres a second")
       ->capture_default_str();
+  app.add_option("--azimuth-step", drive.azimuth_step_deg,
+                 "degrees the simulated scanners turn from beam to beam")
+      ->capture_default_str();
 }
 
 static void declare_publish(CLI::App& app, Command& command) {

@@ -52,6 +52,9 @@ static std::string describe(const SimulatedInput& input) {
   auto text = fmt::format("simulated drive, seed {}", input.seed);
   if (!input.place.empty()) text += ", at " + input.place;
   if (input.speed != SimulatedInput{}.speed) text += fmt::format(", speed {}", input.speed);
+  if (input.azimuth_step_deg != SimulatedInput{}.azimuth_step_deg) {
+    text += fmt::format(", azimuth step {}", input.azimuth_step_deg);
+  }
   return text;
 }
 
@@ -70,6 +73,7 @@ Result<ScanInput> open_simulated(const SimulatedInput& input) {
   drive_options.scans = input.scans;
   drive_options.seed = input.seed;
   drive_options.speed = input.speed;
+  drive_options.azimuth_step_deg = input.azimuth_step_deg;
   auto drive = Drive::create(*city, drive_options);
   if (!drive) return pass_on(drive);
 

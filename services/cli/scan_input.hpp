@@ -46,12 +46,13 @@ Result<ScanInput> open_kitti(const KittiInput& input);
 /// A drive through the procedural city.
 struct SimulatedInput {
   std::size_t scans = 0;
-  std::uint64_t seed = 1;  ///< Of the city and the drive.
-  std::string place{};     ///< "LAT,LON,HEIGHT" of the city's middle, or empty: Munich.
-  double speed = 8;        ///< Metres a second; scans come at 20 Hz.
+  std::uint64_t seed = 1;         ///< Of the city and the drive.
+  std::string place{};            ///< "LAT,LON,HEIGHT" of the city's middle, or empty: Munich.
+  double speed = 8;               ///< Metres a second; scans come at 20 Hz.
+  double azimuth_step_deg = 0.4;  ///< 54 000 points a scan; 1.1: 20 000, as the paper's drive has.
 };
 
-/// Errors: kInvalid and kOutOfRange for a place or a speed that cannot be.
+/// Errors: kInvalid and kOutOfRange for a place, a speed or a step that cannot be.
 Result<ScanInput> open_simulated(const SimulatedInput& input);
 
 }  // namespace voxatlas

@@ -105,17 +105,24 @@ TEST_CASE("the simulated drive is the same for the same seed, and another for an
   }
 }
 
-TEST_CASE("a simulated drive can be elsewhere and faster, and is then another input", "[cli]") {
+TEST_CASE("a simulated drive can be elsewhere, faster and sparser, and is then another input",
+          "[cli]") {
   const auto here = open_simulated({1, 7}).value(),
              there = open_simulated({1, 7, "-33.9,18.4,20"}).value(),
-             fast = open_simulated({1, 7, "", 40}).value();
+             fast = open_simulated({1, 7, "", 40}).value(),
+             sparse = open_simulated({1, 7, "", 8, 0.8}).value();
   REQUIRE(here.identity != there.identity);
   REQUIRE(here.identity != fast.identity);
+  REQUIRE(here.identity != sparse.identity);
+  const auto points = here.read(0).value().scan.points_sensor.size();
+  const auto half = sparse.read(0).value().scan.points_sensor.size();
+  REQUIRE((20 * half > 9 * points && 20 * half < 11 * points));
   const auto place = there.read(0).value().scan.ecef_from_sensor.translation().eval();
   const auto corner = to_ecef({-33.9, 18.4, 20}).value();
   REQUIRE((place - corner).norm() < 600);  // Somewhere in that city.
   REQUIRE_FALSE(open_simulated({1, 7, "nowhere"}).has_value());
   REQUIRE_FALSE(open_simulated({1, 7, "", -1}).has_value());
+  REQUIRE_FALSE(open_simulated({1, 7, "", 8, 0}).has_value());
 }
 
 }  // namespace
