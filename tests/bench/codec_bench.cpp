@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <functional>
 
 #include "bench/codec_case.hpp"
@@ -15,7 +16,7 @@ namespace {
 
 struct Options {
   std::string data, poses = "poses.txt", only;
-  std::size_t scans = 120;
+  std::size_t scans = 120, tiles = 1'000'000;
   bool json = false, tables = true;
 };
 
@@ -152,6 +153,7 @@ int serve(const Options& options) {
       fmt::print(stderr, "bench_codec: {}\n", model.error().message);
       return 1;
     }
+    model->tiles.resize(std::min(options.tiles, model->tiles.size()));
     add_model(name + "_", *model, options.tables, lines);
   }
   print(lines, options.json);
@@ -171,6 +173,8 @@ int main(int argc, char** argv) {
   app.add_option("--scans", options.scans, "how many scans at most, of each kind")
       ->capture_default_str()
       ->check(CLI::Range(1, 100'000));
+  app.add_option("--tiles", options.tiles, "how many of its tiles at most, for a quick look")
+      ->check(CLI::PositiveNumber);
   app.add_option("--only", options.only, "one of the models: sim, simcolour, real")
       ->check(CLI::IsMember({"sim", "simcolour", "real"}));
   app.add_flag("!--no-tables", options.tables, "leave figures 7 and 8 out");
