@@ -151,7 +151,6 @@ Result<tile_reply_t> TileQueries::answer(const tile_request_t& request) {
   reply.client = request.client;
   reply.id = request.id;
   reply.tile = request.tile;
-  reply.offset = request.offset;
   if (request.depth < 0 || request.depth > kDepth) {
     return fail(ErrorCode::kOutOfRange, fmt::format("tile_request_t: depth {}", request.depth));
   }
@@ -162,10 +161,12 @@ Result<tile_reply_t> TileQueries::answer(const tile_request_t& request) {
   if (request.offset < 0) {
     return fail(ErrorCode::kOutOfRange, fmt::format("tile_request_t: offset {}", request.offset));
   }
-  // Beyond the end is no error: the tile may have shrunk since the range before; the version tells.
+  // Beyond the end is no error: the tile may have shrunk since the range before, and the asker
+  // sees by the version and the offset that it did.
   const auto offset = std::min(static_cast<std::size_t>(request.offset), total);
   reply.version = static_cast<std::int64_t>(encoded->version);
   reply.total = static_cast<std::int32_t>(total);
+  reply.offset = static_cast<std::int32_t>(offset);
   const auto payload =
       ByteView(encoded->bytes).subspan(offset, std::min(total - offset, kMaxPayloadBytes));
   reply.payload.assign(payload.begin(), payload.end());

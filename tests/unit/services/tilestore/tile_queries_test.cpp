@@ -147,10 +147,27 @@ TEST_CASE("questions that cannot be are refused, and a tile never written has ve
       static_cast<std::int64_t>(TileKey::from_index({kCorner, kCorner, kCorner})->morton());
   request.offset = -5;
   REQUIRE_FALSE(queries.answer(request).has_value());
-  request.offset = 1 << 30;
-  REQUIRE(queries.answer(request)->size == 0);
+  request.offset = 0;
   request.depth = 8;
   REQUIRE_FALSE(queries.answer(request).has_value());
+}
+
+TEST_CASE("a range beyond a tile's end, which shrank since the range before, has a sound answer",
+          "[tilestore]") {
+  MemoryStore store;
+  auto atlas = model(store, 1, 1);
+  TileQueries queries(*atlas, store);
+  tile_request_t request{};
+  request.tile = GENERATE(as<std::int64_t>{}, 12,  // Never written.
+                          TileKey::from_index({kCorner, kCorner, kCorner})->morton());
+  const auto whole = queries.answer(request);
+  request.offset = 1 << 20;
+  const auto beyond = queries.answer(request);
+  REQUIRE(beyond.has_value());
+  REQUIRE(check_fields(*beyond).has_value());
+  REQUIRE(beyond->size == 0);
+  REQUIRE(beyond->offset == whole->total);  // Not what was asked for: the asker begins again.
+  REQUIRE(beyond->version == whole->version);
 }
 
 TEST_CASE("a shard says who it is and where a source stands", "[tilestore]") {
