@@ -8,7 +8,9 @@
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
+#include <mutex>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "base/utime.hpp"
 
@@ -63,6 +65,33 @@ std::string log_text(LogForm form, std::int64_t utime, std::string_view name,
     std::replace(line.begin(), line.end(), '\n', ' ');
   }
   return form.journal ? fmt::format("<{}>{}", priority(level), line) : line;
+}
+
+std::optional<std::uint64_t> LogLimit::admit(const void* kind, std::int64_t now) {
+  auto& lately = kinds_[kind];
+  if (now - lately.since >= kPeriodUs) {
+    lately.since = now;
+    lately.lines = 0;
+  }
+  if (lately.lines == kLines) {
+    ++lately.left_out;
+    return std::nullopt;
+  }
+  ++lately.lines;
+  return std::exchange(lately.left_out, 0);
+}
+
+void log_limited(std::string_view level, const void* kind, std::string_view text) {
+  static std::mutex mutex;
+  static LogLimit limit;  // Guarded by mutex.
+  std::optional<std::uint64_t> left_out;
+  {
+    const std::lock_guard lock(mutex);
+    left_out = limit.admit(kind, steady_utime());
+  }
+  if (!left_out) return;
+  if (*left_out == 0) return log_line(level, text);
+  log_line(level, fmt::format("{} (and {} more like it, not written)", text, *left_out));
 }
 
 void log_line(std::string_view level, std::string_view text) {

@@ -41,5 +41,24 @@ TEST_CASE("bytes that are no UTF-8 are replaced in a JSON event, not thrown over
   REQUIRE(event["text"] == "file \xef\xbf\xbd\xef\xbf\xbd");
 }
 
+TEST_CASE("of a flood of events a few lines are written, and how many were not", "[base]") {
+  LogLimit limit;
+  const char flood = 0, other = 0;
+  constexpr std::int64_t kStart = 5'000'000'000;
+  int written = 0;
+  std::uint64_t left_out = 0;
+  for (int i = 0; i < 60'000; ++i) {  // A thousand a second, for a minute.
+    if (const auto said = limit.admit(&flood, kStart + 1'000 * i)) {
+      ++written;
+      left_out += *said;
+    }
+  }
+  REQUIRE(written == 6 * LogLimit::kLines);
+  REQUIRE(left_out == 5u * (10'000 - LogLimit::kLines));
+  REQUIRE(limit.admit(&other, kStart + 60'000'000 - 1) == 0u);  // Another kind has its own.
+  REQUIRE(limit.admit(&flood, kStart + 60'000'000) == 10'000u - LogLimit::kLines);
+  REQUIRE(limit.admit(&flood, kStart + 60'000'001) == 0u);
+}
+
 }  // namespace
 }  // namespace voxatlas
