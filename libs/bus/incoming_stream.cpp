@@ -6,8 +6,18 @@
 namespace voxatlas {
 namespace {
 
-/// Room made at once for a message that is said to be large; it grows with what arrives.
-constexpr std::size_t kReserveBytes = std::size_t{1} << 20;
+/// Only once all is there: a message is allocated by what came, not by what was announced, and a
+/// vector that grew on the way would be copied again and again.
+Bytes join(std::vector<Bytes>&& pieces, std::size_t bytes) {
+  if (pieces.size() == 1) return std::move(pieces.front());
+  Bytes whole;
+  whole.reserve(bytes);
+  for (auto& piece : pieces) {
+    whole.insert(whole.end(), piece.begin(), piece.end());
+    piece = Bytes();
+  }
+  return whole;
+}
 
 }  // namespace
 
@@ -40,30 +50,33 @@ bool IncomingStream::fits(const chunk_t& chunk) const {
 
 bool IncomingStream::append(chunk_t&& chunk, std::size_t max_message_bytes,
                             std::vector<StreamMessage>& ready) {
-  if (!fits(chunk) || chunk.data.size() > max_message_bytes - partial_.size()) return false;
+  if (!fits(chunk) || chunk.data.size() > max_message_bytes - pieces_bytes_) return false;
   if (index_ == 0) {
     message_ = chunk.message;
     count_ = chunk.count;
     kind_ = chunk.kind;
-    partial_ = std::move(chunk.data);
-    const auto announced = partial_.size() * static_cast<std::size_t>(count_);
-    if (count_ > 1) partial_.reserve(std::min(announced, kReserveBytes));
-  } else {
-    partial_.insert(partial_.end(), chunk.data.begin(), chunk.data.end());
   }
+  pieces_bytes_ += chunk.data.size();
+  pieces_.push_back(std::move(chunk.data));
   ++next_;
   if (++index_ < count_) return true;
-  ready.push_back({session_, message_, static_cast<MessageKind>(kind_), std::move(partial_)});
+  ready.push_back({session_, message_, static_cast<MessageKind>(kind_),
+                   join(std::move(pieces_), pieces_bytes_)});
   uncommitted_.push_back({message_, next_});
-  partial_ = Bytes();
-  index_ = 0;
+  drop_pieces();
   ++message_;
   return true;
 }
 
+void IncomingStream::drop_pieces() {
+  index_ = 0;
+  pieces_ = {};
+  pieces_bytes_ = 0;
+}
+
 IncomingStream::Outcome IncomingStream::give_up() {
   broken_ = true;
-  partial_ = Bytes();
+  drop_pieces();
   pending_.clear();
   pending_bytes_ = 0;
   return Outcome::kBroken;
@@ -74,8 +87,7 @@ void IncomingStream::skip_below(std::int64_t base) {
   committed_ = base;
   while (!uncommitted_.empty() && uncommitted_.front().end <= base) uncommitted_.pop_front();
   if (base <= next_) return;
-  partial_ = Bytes();
-  index_ = 0;
+  drop_pieces();
   message_ = -1;
   next_ = base;
   seen_below(base);
@@ -93,8 +105,7 @@ void IncomingStream::commit(std::int64_t number) {
 
 void IncomingStream::forget_pieces() {
   next_ = std::max(next_ - index_, committed_);
-  index_ = 0;
-  partial_ = Bytes();
+  drop_pieces();
   pending_.clear();
   pending_bytes_ = 0;
 }

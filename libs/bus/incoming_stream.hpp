@@ -43,7 +43,7 @@ class IncomingStream {
   std::int64_t offered() const { return offered_; }
   /// Chunks that have arrived, counted as if those below received() were all.
   std::int64_t arrived() const { return next_ + static_cast<std::int64_t>(pending_.size()); }
-  std::size_t held_bytes() const { return pending_bytes_ + partial_.size(); }
+  std::size_t held_bytes() const { return pending_bytes_ + pieces_bytes_; }
   bool in_pieces() const { return index_ > 0; }
   bool all_committed() const { return uncommitted_.empty() && index_ == 0 && pending_.empty(); }
   bool broken() const { return broken_; }
@@ -56,6 +56,7 @@ class IncomingStream {
 
   bool append(chunk_t&& chunk, std::size_t max_message_bytes, std::vector<StreamMessage>& ready);
   bool fits(const chunk_t& chunk) const;
+  void drop_pieces();
   Outcome give_up();
 
   std::int64_t session_;
@@ -70,7 +71,8 @@ class IncomingStream {
   std::int32_t index_ = 0;     ///< Of chunk next_ in it.
   std::int32_t count_ = 0;
   std::int16_t kind_ = 0;
-  Bytes partial_;
+  std::vector<Bytes> pieces_;  ///< Of that message, those before next_.
+  std::size_t pieces_bytes_ = 0;
   std::deque<Whole> uncommitted_;
   bool broken_ = false;
 };

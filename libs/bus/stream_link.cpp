@@ -7,6 +7,7 @@
 #include "bus/channels.hpp"
 #include "bus/port_connection.hpp"
 #include "bus/requests.hpp"
+#include "bus/send_queue.hpp"
 
 namespace voxatlas {
 namespace {
@@ -25,12 +26,6 @@ constexpr std::size_t kMostUnderWay = std::size_t{3} << 20;
 Status unless_hub_lost(Status sent) {
   if (!sent && sent.error().code == ErrorCode::kUnavailable) return {};
   return sent;
-}
-
-template <class T>
-void encode_into(const T& message, Bytes& bytes) {
-  bytes.resize(static_cast<std::size_t>(message.getEncodedSize()));
-  message.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
 }
 
 }  // namespace
@@ -72,8 +67,8 @@ StreamProducer& OutLink::producer() { return state_->producer; }
 Status OutLink::pump(std::int64_t now) {
   auto& link = *state_;
   Status status;
-  link.producer.poll(now, kChunksAtOnce, [&](const chunk_t& chunk) {
-    encode_into(chunk, link.encoded);
+  link.producer.poll(now, kChunksAtOnce, [&](const chunk_t& head, ByteView data) {
+    encode_chunk(head, data, link.encoded);
     status = unless_hub_lost(link.port.bus().publish_bytes(link.channel, link.encoded));
     return status.has_value();
   });

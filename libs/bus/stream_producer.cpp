@@ -11,6 +11,7 @@
 #include "bus/ack_ranges.hpp"
 #include "bus/checksum.hpp"
 #include "bus/requests.hpp"
+#include "bus/send_queue.hpp"
 #include "bus/send_window.hpp"
 
 namespace voxatlas {
@@ -24,31 +25,16 @@ constexpr std::size_t kPastIncarnations = 16;
 constexpr std::int64_t kIncarnationGoneUs = 500'000;
 constexpr std::int64_t kClientBits = ~std::int64_t{0xffff};
 
-struct HeldChunk {
-  chunk_t chunk;
-  std::uint32_t data_crc;
-  std::int64_t sent_at = 0;
-  bool resent = false;
-};
-
-struct HeldMessage {
-  std::int64_t end;  ///< The chunk after its last.
-  std::size_t bytes;
-};
-
 }  // namespace
 
 struct StreamProducer::State {
-  State(std::int64_t s, const StreamConfig& c) : session(s), config(c) {}
-
-  std::int64_t base() const { return offered - static_cast<std::int64_t>(chunks.size()); }
-  HeldChunk& at(std::int64_t seq) { return chunks[static_cast<std::size_t>(seq - base())]; }
+  State(std::int64_t s, const StreamConfig& c) : session(s), config(c), queue(s, c.chunk_bytes) {}
 
   bool accept_incarnation(const ack_t& ack, std::int64_t now);
   bool free_committed(std::int64_t committed);
   void resend(const ack_t& ack, std::int64_t now);
   std::int64_t may_send_below(std::int64_t now) const;
-  const chunk_t& prepare(std::int64_t seq, std::int64_t now);
+  const SendQueue::Chunk& prepare(std::int64_t seq, std::int64_t now);
   bool probe_wanted(std::int64_t now) const;
   chunk_t probe(std::int64_t now);
   bool wants_credit(std::int64_t now) const;
@@ -57,11 +43,7 @@ struct StreamProducer::State {
   std::int64_t session;
   StreamConfig config;
 
-  std::deque<HeldChunk> chunks;  ///< base() .. offered - 1.
-  std::deque<HeldMessage> messages;
-  std::size_t held_bytes = 0;
-  std::int64_t offered = 0;  ///< Chunks so far.
-  std::int64_t offered_messages = 0;
+  SendQueue queue;
   std::int64_t next = 0;        ///< The first chunk this incarnation was not sent.
   std::int64_t sent_below = 0;  ///< The first chunk nobody was ever sent.
   std::int64_t told = 0;        ///< The most chunks the consumer was told of.
@@ -100,7 +82,7 @@ bool StreamProducer::State::accept_incarnation(const ack_t& ack, std::int64_t no
     if (past_incarnations.size() > kPastIncarnations) past_incarnations.pop_front();
   }
   incarnation = ack.incarnation;
-  received = std::max(ack.received, base());
+  received = std::max(ack.received, queue.base());
   next = received;
   credit = ack.credit;
   told = 0;
@@ -109,27 +91,19 @@ bool StreamProducer::State::accept_incarnation(const ack_t& ack, std::int64_t no
   return true;
 }
 
-/// Whole messages only: the consumer commits messages.
 bool StreamProducer::State::free_committed(std::int64_t committed) {
-  bool freed = false;
-  while (!messages.empty() && messages.front().end <= committed) {
-    const auto end = messages.front().end;
-    held_bytes -= messages.front().bytes;
-    messages.pop_front();
-    chunks.erase(chunks.begin(), chunks.begin() + (end - base()));
-    freed = true;
-  }
-  received = std::max(received, base());
+  const bool freed = queue.free_below(committed);
+  received = std::max(received, queue.base());
   next = std::max(next, received);
-  missing.erase(missing.begin(), missing.lower_bound(base()));
+  missing.erase(missing.begin(), missing.lower_bound(queue.base()));
   return freed;
 }
 
 void StreamProducer::State::resend(const ack_t& ack, std::int64_t now) {
   for (const auto& range : ranges_of(ack)) {
     const auto end = std::min(range.end, next);
-    for (auto seq = std::max(range.first, base()); seq < end; ++seq) {
-      auto& held = at(seq);
+    for (auto seq = std::max(range.first, queue.base()); seq < end; ++seq) {
+      auto& held = queue.at(seq);
       if (held.resent && now - held.sent_at < kResendAgainUs) continue;
       held.resent = true;
       if (missing.insert(seq).second) window.lost(now);
@@ -139,26 +113,27 @@ void StreamProducer::State::resend(const ack_t& ack, std::int64_t now) {
 
 std::int64_t StreamProducer::State::may_send_below(std::int64_t now) const {
   if (now - last_heard > kCreditLapsesUs) return next;
-  return std::min({credit, offered, received + window.chunks()});
+  return std::min({credit, queue.offered(), received + window.chunks()});
 }
 
-const chunk_t& StreamProducer::State::prepare(std::int64_t seq, std::int64_t now) {
-  auto& held = at(seq);
-  held.chunk.base = base();
-  held.chunk.offered = offered;
-  held.chunk.crc = checksum(held.chunk, held.data_crc);
+const SendQueue::Chunk& StreamProducer::State::prepare(std::int64_t seq, std::int64_t now) {
+  auto& held = queue.at(seq);
+  if (!held.data_crc) held.data_crc = crc32c(held.data);
+  held.head.base = queue.base();
+  held.head.offered = queue.offered();
+  held.head.crc = checksum(held.head, *held.data_crc);
   held.sent_at = now;
-  told = std::max(told, offered);
+  told = std::max(told, queue.offered());
   ++counters.chunks_sent;
-  return held.chunk;
+  return held;
 }
 
 bool StreamProducer::State::probe_wanted(std::int64_t now) const {
-  return !chunks.empty() && (wants_credit(now) || now >= probe_due());
+  return !queue.empty() && (wants_credit(now) || now >= probe_due());
 }
 
 chunk_t StreamProducer::State::probe(std::int64_t now) {
-  told = std::max(told, offered);
+  told = std::max(told, queue.offered());
   asked = true;
   last_sent = now;
   silence_us = std::clamp(2 * silence_us, config.rto_us, config.rto_max_us);
@@ -166,16 +141,16 @@ chunk_t StreamProducer::State::probe(std::int64_t now) {
   chunk_t chunk{};
   chunk.session = session;
   chunk.seq = next;
-  chunk.base = base();
-  chunk.offered = offered;
-  chunk.message = offered_messages - static_cast<std::int64_t>(messages.size());
+  chunk.base = queue.base();
+  chunk.offered = queue.offered();
+  chunk.message = queue.committed_messages();
   chunk.crc = checksum(chunk);
   return chunk;
 }
 
 /// Whether the consumer has no way to know that more chunks wait.
 bool StreamProducer::State::wants_credit(std::int64_t now) const {
-  if (asked || next >= offered) return false;
+  if (asked || next >= queue.offered()) return false;
   return now - last_heard > kCreditLapsesUs || (next >= credit && told <= credit);
 }
 
@@ -190,38 +165,12 @@ StreamProducer::StreamProducer(std::int64_t session, const StreamConfig& config)
 StreamProducer::~StreamProducer() = default;
 
 bool StreamProducer::has_room() const {
-  return state_->chunks.empty() || state_->held_bytes < state_->config.send_buffer_bytes;
+  return state_->queue.empty() || state_->queue.held_bytes() < state_->config.send_buffer_bytes;
 }
 
 std::int64_t StreamProducer::offer(MessageKind kind, Bytes payload) {
   VOX_CHECK(has_room());
-  auto& state = *state_;
-  const auto step = state.config.chunk_bytes;
-  const auto bytes = payload.size();
-  const auto count = std::max<std::size_t>(1, (bytes + step - 1) / step);
-  for (std::size_t i = 0; i < count; ++i) {
-    const auto first = i * step;
-    const auto last = std::min(bytes, first + step);
-    chunk_t chunk{};
-    chunk.session = state.session;
-    chunk.seq = state.offered++;
-    chunk.message = state.offered_messages;
-    chunk.index = static_cast<std::int32_t>(i);
-    chunk.count = static_cast<std::int32_t>(count);
-    chunk.kind = static_cast<std::int16_t>(kind);
-    chunk.size = static_cast<std::int32_t>(last - first);
-    if (count == 1) {
-      chunk.data = std::move(payload);
-    } else {
-      chunk.data.assign(payload.begin() + static_cast<std::ptrdiff_t>(first),
-                        payload.begin() + static_cast<std::ptrdiff_t>(last));
-    }
-    const auto data_crc = crc32c(chunk.data);
-    state.chunks.push_back({std::move(chunk), data_crc});
-  }
-  state.held_bytes += bytes;
-  state.messages.push_back({state.offered, bytes});
-  return state.offered_messages++;
+  return state_->queue.push(kind, std::move(payload));
 }
 
 void StreamProducer::on_ack(const ack_t& ack, std::int64_t now) {
@@ -250,14 +199,14 @@ void StreamProducer::on_ack(const ack_t& ack, std::int64_t now) {
   state.resend(ack, now);
 }
 
-std::size_t StreamProducer::poll(std::int64_t now, std::size_t limit,
-                                 const std::function<bool(const chunk_t&)>& send) {
+std::size_t StreamProducer::poll(std::int64_t now, std::size_t limit, const Send& send) {
   auto& state = *state_;
   std::size_t sent = 0;
   bool more = limit > 0;
   const auto pass = [&](std::int64_t seq, bool again) {
     if (again) ++state.counters.chunks_resent;
-    more = send(state.prepare(seq, now)) && ++sent < limit;
+    const auto& chunk = state.prepare(seq, now);
+    more = send(chunk.head, chunk.data) && ++sent < limit;
   };
   while (more && !state.missing.empty()) {
     const auto seq = *state.missing.begin();
@@ -274,7 +223,7 @@ std::size_t StreamProducer::poll(std::int64_t now, std::size_t limit,
     state.silence_us = state.config.rto_us;
     state.last_sent = now;
   } else if (more && state.probe_wanted(now)) {
-    send(state.probe(now));
+    send(state.probe(now), {});
     ++sent;
   }
   return sent;
@@ -282,8 +231,9 @@ std::size_t StreamProducer::poll(std::int64_t now, std::size_t limit,
 
 std::vector<chunk_t> StreamProducer::poll(std::int64_t now, std::size_t limit) {
   std::vector<chunk_t> chunks;
-  poll(now, limit, [&](const chunk_t& chunk) {
-    chunks.push_back(chunk);
+  poll(now, limit, [&](const chunk_t& head, ByteView data) {
+    chunks.push_back(head);
+    chunks.back().data.assign(data.begin(), data.end());
     return true;
   });
   return chunks;
@@ -291,7 +241,7 @@ std::vector<chunk_t> StreamProducer::poll(std::int64_t now, std::size_t limit) {
 
 std::int64_t StreamProducer::next_poll(std::int64_t now) const {
   const auto& state = *state_;
-  if (state.chunks.empty()) return kNever;
+  if (state.queue.empty()) return kNever;
   if (!state.missing.empty() || state.next < state.may_send_below(now)) return now;
   if (state.wants_credit(now)) return now;
   return std::max(now, state.probe_due());
@@ -299,22 +249,11 @@ std::int64_t StreamProducer::next_poll(std::int64_t now) const {
 
 std::int64_t StreamProducer::session() const { return state_->session; }
 std::int64_t StreamProducer::committed_messages() const {
-  return state_->offered_messages - static_cast<std::int64_t>(state_->messages.size());
+  return state_->queue.committed_messages();
 }
-std::int64_t StreamProducer::offered_messages() const { return state_->offered_messages; }
-std::vector<Bytes> StreamProducer::uncommitted() const {
-  std::vector<Bytes> payloads;
-  auto chunk = state_->chunks.begin();
-  for (const auto& message : state_->messages) {
-    auto& payload = payloads.emplace_back();
-    payload.reserve(message.bytes);
-    for (; chunk != state_->chunks.end() && chunk->chunk.seq < message.end; ++chunk) {
-      payload.insert(payload.end(), chunk->chunk.data.begin(), chunk->chunk.data.end());
-    }
-  }
-  return payloads;
-}
-std::size_t StreamProducer::held_bytes() const { return state_->held_bytes; }
+std::int64_t StreamProducer::offered_messages() const { return state_->queue.offered_messages(); }
+std::vector<Bytes> StreamProducer::uncommitted() const { return state_->queue.payloads(); }
+std::size_t StreamProducer::held_bytes() const { return state_->queue.held_bytes(); }
 std::int64_t StreamProducer::credit() const {
   return std::max<std::int64_t>(0, state_->credit - state_->next);
 }

@@ -55,10 +55,10 @@ class StreamProducer {
 
   /// The chunks to send now, new, again, or a probe; at most `limit` at once.
   std::vector<chunk_t> poll(std::int64_t now, std::size_t limit = 16);
-  /// The same without copies: `send` sees each chunk in turn and returns whether to go on. Returns
-  /// how many it saw.
-  std::size_t poll(std::int64_t now, std::size_t limit,
-                   const std::function<bool(const chunk_t&)>& send);
+  /// Sees each chunk in turn, its data apart and not copied, and returns whether to go on.
+  using Send = std::function<bool(const chunk_t& head, ByteView data)>;
+  /// The same without copies; returns how many `send` saw.
+  std::size_t poll(std::int64_t now, std::size_t limit, const Send& send);
   /// When poll() has something to do even if nothing comes in; INT64_MAX: never.
   std::int64_t next_poll(std::int64_t now) const;
 
