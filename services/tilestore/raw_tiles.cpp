@@ -76,10 +76,13 @@ Status RawTiles::give(Atlas& atlas, TileKey tile, std::size_t to, std::int64_t n
   return {};
 }
 
-std::vector<StreamProducer*> RawTiles::producers() {
-  std::vector<StreamProducer*> result;
-  for (auto& link : links_) result.push_back(&link->producer());
-  return result;
+void RawTiles::add_to(StatusCounters& counters) const {
+  counters.emplace_back("handed_to_compress", static_cast<double>(handed_out_));
+  counters.emplace_back("handed_again", static_cast<double>(handed_again_));
+  counters.emplace_back("out_to_compress", static_cast<double>(handout_.out()));
+  std::vector<StreamProducer*> producers;
+  for (const auto& link : links_) producers.push_back(&link->producer());
+  add_outgoing(producers, counters);
 }
 
 std::int64_t RawTiles::next_poll(std::int64_t now) {

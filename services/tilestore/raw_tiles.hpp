@@ -6,6 +6,7 @@
 
 #include "atlas/atlas.hpp"
 #include "base/result.hpp"
+#include "bus/status_counters.hpp"
 #include "bus/stream_link.hpp"
 #include "tilestore/handout.hpp"
 
@@ -28,10 +29,7 @@ class RawTiles {
   void answered(TileKey tile) { handout_.answered(tile); }
   std::int64_t next_poll(std::int64_t now);
 
-  std::size_t out() const { return handout_.out(); }
-  std::vector<StreamProducer*> producers();
-  std::uint64_t handed_out() const { return handed_out_; }
-  std::uint64_t handed_again() const { return handed_again_; }
+  void add_to(StatusCounters& counters) const;
 
  private:
   explicit RawTiles(std::vector<std::unique_ptr<OutLink>> links)

@@ -23,7 +23,6 @@
 #include "tilestore/tilestore_service.hpp"
 
 namespace voxatlas {
-
 namespace {
 
 RocksDbOptions store_options(const MemoryPlan& plan) {
@@ -197,13 +196,12 @@ Status TilestoreProcess::take_message(const StreamMessage& message) {
   if (message.kind == MessageKind::kTileEncoded) return take_encoded(message);
   if (message.kind == MessageKind::kScanDelta) {
     questions_->delta_came(steady_utime());
-    auto delta = decode_message<scan_delta_t>(message.payload);
-    if (delta) {
+    if (auto delta = decode_message<scan_delta_t>(message.payload)) {
       service_->take(*delta, message.session, message.number);
-      return {};
+    } else {
+      log_error("message {} of stream {} refused: {}", message.number, message.session,
+                delta.error().message);
     }
-    log_error("message {} of stream {} refused: {}", message.number, message.session,
-              delta.error().message);
     return {};
   }
   log_error("message {} of stream {} refused: kind {} is not for a tilestore", message.number,
@@ -223,8 +221,7 @@ Status TilestoreProcess::take_encoded(const StreamMessage& message) {
   return update ? publish(*update) : Status{};
 }
 
-/// Counted also where a lost hub does not take it: subscribers see by the count that they missed
-/// it.
+/// Counted also where a lost hub does not take it: so subscribers see that they missed it.
 Status TilestoreProcess::publish(const tile_update_t& update) {
   ++updates_published_;
   auto sent = bus_->publish(kTileUpdateChannel, update);
@@ -275,9 +272,6 @@ StatusCounters TilestoreProcess::counters() const {
                      {"tiles_flushed", number(stats.tiles_flushed)},
                      {"cache_misses", number(stats.cache_misses)},
                      {"resting_tiles", number(stats.resting_tiles)},
-                     {"handed_to_compress", number(raw_tiles_->handed_out())},
-                     {"handed_again", number(raw_tiles_->handed_again())},
-                     {"out_to_compress", number(raw_tiles_->out())},
                      {"encoded_taken", number(deltas.encoded_taken)},
                      {"encoded_lossy", number(deltas.encoded_lossy)},
                      {"encoded_stale", number(deltas.encoded_stale)},
@@ -285,7 +279,7 @@ StatusCounters TilestoreProcess::counters() const {
                      {"marks_regressed", number(queries_->marks_regressed())},
                      {"updates_published", number(updates_published_)}};
   add_incoming(in_->consumer(), all);
-  add_outgoing(raw_tiles_->producers(), all);
+  raw_tiles_->add_to(all);
   questions_->add_to(all);
   service_->marks().add_to(all);
   return all;
