@@ -9,6 +9,7 @@
 #include <fstream>
 
 #include "base/utime.hpp"
+#include "bus/bus_url.hpp"
 #include "bus/service_loop.hpp"
 #include "bus/stream_link.hpp"
 
@@ -88,6 +89,10 @@ Sent produce(const std::string& url, const Load& load) {
   sent.chunks_resent = producer.counters().chunks_resent;
   sent.ack_bytes = bus->counters().received_bytes;
   return sent;
+}
+
+std::size_t consumers_buffer(const std::string& url) {
+  return must(receive_buffer_of(must(url_at_port(url, kConsumer.port_offset()))));
 }
 
 void consume(const std::string& url, std::int64_t work_us) {

@@ -52,6 +52,8 @@ struct Load {
 
 /// Sends a load to whoever consume()s on this bus.
 Sent produce(const std::string& url, const Load& load);
+/// The receive buffer that consume() is granted there, as the kernel counts it.
+std::size_t consumers_buffer(const std::string& url);
 /// Takes messages for ever and commits each after `work_us` of work.
 [[noreturn]] void consume(const std::string& url, std::int64_t work_us);
 

@@ -26,6 +26,7 @@ import drives  # noqa: E402
 from service_set import ServiceSet, default_bin_dir  # noqa: E402
 
 CASES = {"free80": 4, "carve10": 7}  # Depth of free space.
+LEAST = {"free80_rays_per_s": 1e6, "carve10_rays_per_s": 0.5e6, "carve10_vs_octomap_inprocess": 20}
 CITIES_APART_DEG = 1.0
 
 
@@ -56,6 +57,9 @@ class Lines:
 
     def add(self, name, value, unit):
         self.values[name] = value
+        if value < LEAST.get(name, value):
+            print(f"bench endtoend: {name} is {value:.6g}, the target is {LEAST[name]:.6g}",
+                  file=sys.stderr)
         if not self.as_json:
             print(f"{name} {value:.6g} {unit}", flush=True)
 

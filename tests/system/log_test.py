@@ -44,14 +44,39 @@ def parts_of(folder, scan_t, count):
             yield scan
 
 
-def write_log(folder, scan_t, file, count):
-    """The first scans of a folder in a log of lcm-logger's format, heard at an even pace."""
-    channel = b"VOXATLAS_SCAN"
+def write_events(file, events):
+    """A log of lcm-logger's format: (channel, message) each, heard at an even pace."""
     with open(file, "wb") as out:
-        for number, scan in enumerate(parts_of(folder, scan_t, count)):
-            data, utime = scan.encode(), 1_000_000 + number * PACE_US
+        for number, (channel, message) in enumerate(events):
+            data, utime = message.encode(), 1_000_000 + number * PACE_US
             out.write(EVENT_HEAD.pack(0xEDA1DA01, number, utime, len(channel), len(data)))
             out.write(channel + data)
+
+
+def write_log(folder, scan_t, file, count):
+    """The first scans of a folder."""
+    write_events(file, ((b"VOXATLAS_SCAN", scan) for scan in parts_of(folder, scan_t, count)))
+
+
+def clouds_of(folder, pose_t, pointcloud_t, count):
+    """The first scans of a folder as MIT's bot_core has them, each after the pose it was taken at:
+    a metre a scan eastwards in a local frame."""
+    times = (folder / "times.txt").read_text().split()
+    for seq in range(count):
+        pose = pose_t()
+        pose.utime = round(float(times[seq]) * 1e6)
+        pose.pos, pose.orientation = [float(seq), 0.0, 2.0], [1.0, 0.0, 0.0, 0.0]
+        yield b"POSE", pose
+        cloud = pointcloud_t()
+        cloud.utime, cloud.seq, cloud.frame_id = pose.utime, seq, "body"
+        returns = (folder / "velodyne" / f"{seq:06}.bin").read_bytes()
+        cloud.points = [point[:3] for point in struct.iter_unpack("<4f", returns)]
+        cloud.n_points = len(cloud.points)
+        colours = (folder / "colours" / f"{seq:06}.bin").read_bytes()
+        cloud.channel_names = ["r", "g", "b"]
+        cloud.channels = [[value / 255 for value in colours[i::3]] for i in range(3)]
+        cloud.n_channels = 3
+        yield b"CLOUD", cloud
 
 
 def wait_until(fact, what):
@@ -78,13 +103,16 @@ def channels_in(log):
 class Log(harness.SystemTest):
     def setUp(self):
         super().setUp()
-        types = harness.temporary_folder(self)
-        subprocess.run(["lcm-gen", "--python", "--ppath", types,
-                        harness.ROOT / "lcmtypes" / "scan_t.lcm"], check=True,
+        types, sources = harness.temporary_folder(self), harness.ROOT / "lcmtypes"
+        subprocess.run(["lcm-gen", "--python", "--ppath", types, sources / "scan_t.lcm",
+                        *(sources / "bot_core").glob("*.lcm")], check=True,
                        stdout=subprocess.DEVNULL)
         sys.path.insert(0, str(types))
         self.addCleanup(sys.path.remove, str(types))
-        self.scan_t = importlib.import_module("voxatlas.scan_t").scan_t
+        self.scan_t, self.pose_t, self.pointcloud_t = (
+            getattr(importlib.import_module(f"{package}.{name}"), name)
+            for package, name in (("voxatlas", "scan_t"), ("bot_core", "pose_t"),
+                                  ("bot_core", "pointcloud_t")))
         self.drive = self.folder / "drive"
         subprocess.run([default_bin_dir() / "voxatlas", "simulate", str(SCANS), "--out",
                         self.drive], check=True, stdin=subprocess.DEVNULL, capture_output=True)
@@ -111,6 +139,16 @@ class Log(harness.SystemTest):
         expected = self.hashes_after("folder", self.drive, "--poses", "poses.txt")
         self.assertGreater(len(expected), 10)
         self.assertEqual(self.hashes_after("log", self.log), expected)
+
+    def test_so_does_a_log_of_mits_clouds_and_poses(self):
+        local = "\n".join(f"1 0 0 {i} 0 1 0 0 0 0 1 2" for i in range(SCANS))
+        (self.drive / "local.txt").write_text(local + "\n")
+        clouds = self.folder / "clouds.lcm"
+        write_events(clouds, clouds_of(self.drive, self.pose_t, self.pointcloud_t, SCANS))
+        alike = ["--origin", "48.1,11.5,500", "--sigma", "0.02", "--min-range", "2.5"]
+        expected = self.hashes_after("folder", self.drive, "--poses", "local.txt", *alike)
+        self.assertGreater(len(expected), 10)
+        self.assertEqual(self.hashes_after("clouds", clouds, *alike), expected)
 
     def test_of_a_log_cut_off_the_whole_scans_count_and_the_rest_is_told(self):
         cut, fewer = self.folder / "cut.lcm", self.folder / "fewer.lcm"

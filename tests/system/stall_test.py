@@ -19,7 +19,11 @@ UPDATES_BEFORE_A_FAULT = 200
 # How long one restart may keep every tile from changing. Nothing lasts longer than 5 s; a machine
 # that is busy with other tests may need several times as long as one that is not.
 STALL_SECONDS = 5
+# How long one that is replaced may be away; the same, but for a machine busy with other tests.
+AWAY_SECONDS = STALL_SECONDS if LONG else 30
 RESTARTED = ("ingest", "tilestore", "compress", "render")
+# What a service counts from its start, where it is in the way of every scan.
+WORK_DONE = {"ingest": "scans_acknowledged", "tilestore": "scans_applied"}
 
 
 class Stall(PublishTest):
@@ -49,14 +53,20 @@ class Stall(PublishTest):
             self.wait_for_updates(updates, UPDATES_BEFORE_A_FAULT, publish)
             for service in [s for kind in RESTARTED for s in services.services if s.kind == kind]:
                 updates.time_pauses()
+                began = time.monotonic()
                 service.signal(signal.SIGTERM)
                 service.process.wait()
                 service.start(services.ended)
                 services.wait_until_ready()
+                if service.kind in WORK_DONE:
+                    self.wait_for_counter(services, service.kind,
+                                          int(service.name.split()[1]), WORK_DONE[service.kind], 1)
+                away = time.monotonic() - began
                 self.wait_for_updates(updates, UPDATES_BEFORE_A_FAULT, publish)
                 pause = updates.longest_pause()
-                print(f"{service.name} replaced: nothing changed for {pause:.2f} s at most",
-                      file=sys.stderr)
+                print(f"{service.name} replaced: at work again within {away:.2f} s, nothing at all "
+                      f"changed for {pause:.2f} s at most", file=sys.stderr)
+                self.assertLess(away, AWAY_SECONDS, service.name)
                 self.assertLess(pause, STALL_SECONDS, service.name)
 
         self.publish_with(replaced, renders=1, ingests=2 if LONG else 1,
