@@ -88,6 +88,31 @@ TEST_CASE("a hostile scan costs at most its bytes times a constant", "[integrate
   }
 }
 
+/// Cells that a ray passes, which is what carving it costs: in a scan of its own none counts as
+/// another ray's.
+std::uint64_t cells_of(Integrator& integrator, const Eigen::Vector3d& end) {
+  Scan scan;
+  scan.origin_ecef = kPlace;
+  scan.sigma = 0.02;
+  scan.endpoints_ecef = {end};
+  const auto delta = integrator.integrate(scan);
+  REQUIRE(delta.has_value());
+  return delta->counts.cells_missed + delta->counts.cells_hit;
+}
+
+TEST_CASE("no ray passes more cells than max_range has borders, wherever it ends", "[integrate]") {
+  // 120 m are at most 1201 borders on an axis; the origin's cell is one more.
+  const auto [free_depth, most_cells] =
+      GENERATE(table<int, std::uint64_t>({{7, 3 * 1201 + 1}, {4, 3 * 151 + 2}, {-1, 1}}));
+  Integrator integrator(Grid::standard(), {free_depth, 7, 0, kMaxRange});
+  for (const auto& idea : kIdeas) {
+    for (std::size_t i = 0; i < kRays; i += 20) {
+      CAPTURE(idea.name, i, free_depth);
+      REQUIRE(cells_of(integrator, idea.end(i)) <= most_cells);
+    }
+  }
+}
+
 TEST_CASE("sigma is taken in (0, a quarter of a tile], and no hostile one is slow", "[integrate]") {
   Integrator integrator(Grid::standard(), {7, 7, 0, kMaxRange});
   Scan scan;
