@@ -38,9 +38,8 @@ Result<TileTree> decode_tile(ByteView bytes);
 
 /// The tile as it is seen from farther away: each cell of `depth` that knows anything is the
 /// highest log-odds in it, with a mean colour (cut_tile). Depth 7 is the tile itself.
-/// Cost:   shrinks with the depth in dense and lossy tiles (4: an eighth of the whole); in fast
-/// ones
-///         at depth 4, below which it is that of the whole.
+/// Cost:   shrinks with the depth in dense and lossy tiles (4: a sixth of the whole, and hardly
+///         less above: all slots are read); in fast ones at depth 4, below it that of the whole.
 /// Errors: as decode_tile; damage is found at any depth.
 Result<TileTree> decode_tile_to_depth(ByteView bytes, int depth);
 
