@@ -9,7 +9,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 
+#include "base/check.hpp"
 #include "bench/render_model.hpp"
 #include "codec/paper_format.hpp"
 #include "geodesy/ecef.hpp"
@@ -114,7 +116,16 @@ void run(const ModelSource& source, const std::string& out) {
   print_layers("full", full_tree());
   const Model model = make_model(source, grid);
   Layers layers;
-  for (const auto& [key, tile] : model) count(tile, layers);
+  TileTree::Counts counted;  // The tile's own count: another way to the same sums.
+  for (const auto& [key, tile] : model) {
+    count(tile, layers);
+    counted.leaves += tile.counts().leaves;
+    counted.inner += tile.counts().inner;
+  }
+  VOX_CHECK(std::accumulate(layers.leaves.begin(), layers.leaves.end(), 0.0) ==
+            static_cast<double>(counted.leaves));
+  VOX_CHECK(std::accumulate(layers.inner.begin(), layers.inner.end(), 0.0) ==
+            static_cast<double>(counted.inner));
   print_layers("model", layers);
   fmt::print("model_tiles {} tiles\n", model.size());
   if (!out.empty()) draw_tile(model, grid, out);
