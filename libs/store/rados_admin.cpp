@@ -1,18 +1,16 @@
 // What is asked of a store as a whole: a copy, a check, its size.
 #include <fmt/format.h>
 
-#include <cerrno>
+#include <algorithm>
 #include <charconv>
+#include <chrono>
 #include <filesystem>
 
 #include "store/rados_state.hpp"
 #include "store/rocksdb_store.hpp"
-#include "store/store_format.hpp"
+#include "store/store_copy.hpp"
 
 namespace voxatlas {
-
-static constexpr std::size_t kTilesAtOnce = 256;
-static constexpr std::size_t kRecordsAtOnce = 64;
 
 /// Every shard that ever had an owner.
 static Result<std::vector<ShardId>> all_shards(librados::IoCtx& pool) {
@@ -31,52 +29,6 @@ static Result<std::vector<ShardId>> all_shards(librados::IoCtx& pool) {
     return fail(ErrorCode::kIo, fmt::format("listing the pool's objects: {}", e.what()));
   }
   return shards;
-}
-
-/// Every tile of a shard, some at a time.
-template <class Visit>
-static Status for_each_page(RadosStore& store, ShardId shard, const Visit& visit) {
-  for (auto from = TileKey::from_morton(0); from;) {
-    auto page = store.scan(shard, *from, kTilesAtOnce);
-    if (!page) return pass_on(page);
-    if (page->empty()) return {};
-    from = TileKey::from_morton(page->back().key.morton() + 1);  // The last key there can be ends.
-    if (auto ok = visit(*page); !ok) return ok;
-  }
-  return {};
-}
-
-/// The journal, its positions counted anew from 1, and the marks.
-static Status copy_journal(RadosStore& from, RocksDbStore& to, ShardId shard, Epoch epoch) {
-  std::vector<Bytes> records;
-  const auto write = [&]() -> Status {
-    if (auto ok = to.append(shard, epoch, records); !ok) return pass_on(ok);
-    records.clear();
-    return {};
-  };
-  auto copied = from.replay(shard, [&](JournalPosition, ByteView record) -> Status {
-    records.emplace_back(record.begin(), record.end());
-    return records.size() < kRecordsAtOnce ? Status() : write();
-  });
-  if (copied) copied = write();
-  if (!copied) return copied;
-  auto marks = from.marks(shard);
-  if (!marks) return pass_on(marks);
-  return to.trim(shard, epoch, 0, *marks);
-}
-
-static Status copy_shard(RadosStore& from, RocksDbStore& to, ShardId shard,
-                         const std::vector<std::string>& names) {
-  auto epoch = to.acquire(shard);
-  if (!epoch) return pass_on(epoch);
-  for (const auto& name : names) {
-    auto value = from.value(shard, name);
-    if (!value) return pass_on(value);
-    if (!*value) continue;
-    if (auto ok = to.put_value(shard, *epoch, name, **value); !ok) return ok;
-  }
-  if (auto ok = copy_journal(from, to, shard, *epoch); !ok) return ok;
-  return for_each_page(from, shard, [&](const auto& page) { return to.put(shard, *epoch, page); });
 }
 
 Result<std::vector<std::string>> RadosStore::State::value_names(ShardId id) {
@@ -100,7 +52,11 @@ Status RadosStore::checkpoint(const std::string& directory) {
   for (const auto shard : *shards) {
     auto names = state_->value_names(shard);
     if (!names) return pass_on(names);
-    if (auto ok = copy_shard(*this, **copy, shard, *names); !ok) return ok;
+    auto epoch = (*copy)->acquire(shard);
+    if (!epoch) return pass_on(epoch);
+    const auto go_on = [](std::uint64_t) { return Status(); };
+    auto copied = copy_shard(*this, **copy, shard, *epoch, *names, go_on);
+    if (!copied) return pass_on(copied);
   }
   return {};
 }
@@ -117,23 +73,45 @@ Status RadosStore::verify(ShardId id) {
   return replay(id, [](JournalPosition, ByteView) -> Status { return {}; });
 }
 
-Result<std::uint64_t> RadosStore::disk_bytes() {
-  auto shards = all_shards(state_->pool);
-  if (!shards) return pass_on(shards);
-  std::uint64_t bytes = 0;
-  for (const auto shard : *shards) {
-    auto counted = for_each_page(*this, shard, [&](const auto& page) -> Status {
-      for (const auto& tile : page) bytes += tile.bytes.size();
-      return {};
-    });
-    if (counted) {
-      counted = replay(shard, [&](JournalPosition, ByteView record) -> Status {
-        bytes += record.size();
-        return {};
-      });
-    }
-    if (!counted) return pass_on(counted);
+/// Of up to kSampled regions, evenly spread over the shard's; times as many more as there are.
+Result<std::uint64_t> RadosStore::State::estimate_bytes(ShardId id) {
+  constexpr std::size_t kSampled = 8;
+  std::vector<std::uint64_t> regions;
+  {
+    auto owned = lock(id);
+    if (!owned) return pass_on(owned);
+    regions.assign(owned->shard->regions.begin(), owned->shard->regions.end());
   }
+  if (regions.empty()) return 0;
+  const std::size_t sampled = std::min(kSampled, regions.size());
+  std::uint64_t bytes = 0;
+  for (std::size_t i = 0; i < sampled; ++i) {
+    const auto region = regions[i * regions.size() / sampled];
+    auto tiles = rows(region_object(id, region), "", "", 1'000);
+    if (!tiles) return pass_on(tiles);
+    for (const auto& [key, value] : *tiles) bytes += key.size() + value.length();
+  }
+  return bytes * regions.size() / sampled;
+}
+
+Result<std::uint64_t> RadosStore::disk_bytes() {
+  constexpr auto kFresh = std::chrono::seconds(10);
+  const std::lock_guard guard(state_->bytes_mutex);
+  const auto now = std::chrono::steady_clock::now();
+  if (state_->total_bytes && now - state_->total_at < kFresh) return *state_->total_bytes;
+  std::vector<ShardId> ids;
+  {
+    const std::lock_guard shards_guard(state_->shards_mutex);
+    for (const auto& [id, shard] : state_->shards) ids.push_back(id);
+  }
+  std::uint64_t bytes = 0;
+  for (const auto id : ids) {
+    auto estimated = state_->estimate_bytes(id);
+    if (!estimated) return estimated;
+    bytes += *estimated;
+  }
+  state_->total_bytes = bytes;
+  state_->total_at = now;
   return bytes;
 }
 

@@ -3,6 +3,7 @@
 
 #include <cerrno>
 #include <charconv>
+#include <deque>
 #include <system_error>
 
 #include "store/rados_state.hpp"
@@ -153,6 +154,39 @@ Result<RadosStore::State::Rows> RadosStore::State::rows(const std::string& objec
     found.merge(page);
   }
   return found;
+}
+
+Result<std::map<std::string, StoredTile>> RadosStore::State::tiles_of(
+    ShardId id, const std::map<std::uint64_t, std::set<std::string>>& wanted) {
+  struct Question {
+    std::string object;
+    librados::ObjectReadOperation read;
+    Rows found;
+    int code = 0;
+    RadosCompletion answer;  // Last: it is waited for before the others go.
+  };
+  std::deque<Question> questions;
+  for (const auto& [region, rows] : wanted) {
+    auto& question = questions.emplace_back();
+    question.object = region_object(id, region);
+    question.read.omap_get_vals_by_keys(rows, &question.found, &question.code);
+    const int begun =
+        pool.aio_operate(question.object, question.answer.completion, &question.read, nullptr);
+    question.answer.begun = begun >= 0;
+    if (begun < 0) return tl::unexpected(error_of(begun, "reading " + question.object));
+  }
+  std::map<std::string, StoredTile> tiles;
+  for (auto& question : questions) {
+    const int got = question.answer.result();
+    if (got == -ENOENT) continue;
+    if (got < 0) return tl::unexpected(error_of(got, "reading " + question.object));
+    for (auto& [key, value] : question.found) {
+      auto tile = unseal_tile(key, text_of(value));
+      if (!tile) return pass_on(tile, question.object);
+      tiles.emplace(key, std::move(*tile));
+    }
+  }
+  return tiles;
 }
 
 Result<std::optional<Bytes>> RadosStore::State::named(ShardId id, std::string_view name) {

@@ -1,14 +1,17 @@
 #pragma once
 
+#include <chrono>
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <rados/librados.hpp>
 #include <set>
 #include <string>
 #include <string_view>
 
 #include "store/append_queue.hpp"
+#include "store/rados_lease.hpp"
 #include "store/rados_store.hpp"
 
 namespace voxatlas {
@@ -18,7 +21,8 @@ struct RadosStore::State {
   struct Shard {
     AppendQueue appends;
 
-    std::mutex mutex;  // Held for a whole write; guards what follows.
+    std::mutex mutex;                   // Held for a whole write; guards what follows.
+    std::unique_ptr<RadosLease> lease;  // From acquire() on.
     bool loaded = false;
     Epoch epoch = 0;
     JournalPosition trimmed = 0;
@@ -38,6 +42,14 @@ struct RadosStore::State {
   std::mutex shards_mutex;
   std::map<ShardId, std::unique_ptr<Shard>> shards;  // Guarded by shards_mutex.
 
+  std::mutex bytes_mutex;
+  std::optional<std::uint64_t> total_bytes;  // disk_bytes' last answer; guarded by bytes_mutex.
+  std::chrono::steady_clock::time_point total_at;  // Likewise.
+
+  // rados_admin.cpp
+  Result<std::uint64_t> estimate_bytes(ShardId id);
+  Result<std::vector<std::string>> value_names(ShardId id);
+
   // rados_shard.cpp
   Shard& slot(ShardId id);
   /// The shard, locked and read from the cluster where it was not. Then, by own(), its epoch is
@@ -48,7 +60,9 @@ struct RadosStore::State {
   Result<Epoch> stored_epoch(ShardId id);
   Result<JournalPosition> last_position(ShardId id, JournalPosition trimmed);
   Result<std::optional<Bytes>> named(ShardId id, std::string_view name);
-  Result<std::vector<std::string>> value_names(ShardId id);
+  /// Tiles by row key, of those wanted of each region; all regions are asked at once.
+  Result<std::map<std::string, StoredTile>> tiles_of(
+      ShardId id, const std::map<std::uint64_t, std::set<std::string>>& wanted);
   Result<std::uint64_t> named_number(ShardId id, std::string_view name);
   /// Up to `limit` rows of an object after `after` whose keys begin with `prefix`; none where there
   /// is no such object.
@@ -68,6 +82,24 @@ struct RadosStore::State {
   Status write_regions(ShardId id, Shard& shard, std::map<std::uint64_t, Rows> tiles);
 
   Error error_of(int code, std::string_view what) const;
+};
+
+/// An operation under way; whoever holds it waits for it.
+class RadosCompletion {
+ public:
+  RadosCompletion() : completion(librados::Rados::aio_create_completion()) {}
+  RadosCompletion(const RadosCompletion&) = delete;
+  RadosCompletion& operator=(const RadosCompletion&) = delete;
+  ~RadosCompletion() {
+    if (begun) completion->wait_for_complete();
+    completion->release();
+  }
+  int result() {
+    completion->wait_for_complete();
+    return completion->get_return_value();
+  }
+  librados::AioCompletion* completion;
+  bool begun = false;
 };
 
 std::string shard_object(ShardId id);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <csignal>
 #include <system_error>
 
 #include "grid/region_key.hpp"
@@ -18,6 +19,10 @@ static std::string number_text(std::uint64_t number) {
   return {bytes.begin(), bytes.end()};
 }
 
+static std::string in_words(const RadosOptions& options) {
+  return fmt::format("pool {}, model {}", options.pool, options.model);
+}
+
 RadosStore::RadosStore(std::unique_ptr<State> state) : state_(std::move(state)) {}
 RadosStore::~RadosStore() = default;
 
@@ -25,15 +30,22 @@ Result<std::unique_ptr<RadosStore>> RadosStore::open(const RadosOptions& options
   auto state = std::make_unique<State>();
   state->options = options;
   const auto refused = [&](int code, const std::string& what) {
-    return fail(ErrorCode::kUnavailable,
+    // A cluster that does not answer may be there again later; the others want another word.
+    return fail(code == -ETIMEDOUT ? ErrorCode::kIo : ErrorCode::kUnavailable,
                 fmt::format("{}: {}", what, std::generic_category().message(-code)));
   };
+  // librados writes to connections that the cluster has closed: seen to end a process that had been
+  // stopped for ten seconds.
+  std::signal(SIGPIPE, SIG_IGN);
   if (int r = state->cluster.init2(options.client.c_str(), "ceph", 0); r < 0) {
     return refused(r, "librados");
   }
   if (int r = state->cluster.conf_read_file(options.conf.c_str()); r < 0) {
     return refused(r, options.conf);
   }
+  // A connection that hangs while it is made is made anew after so many seconds; else 10, and a
+  // take-over was once seen to last that.
+  state->cluster.conf_set("ms_connection_ready_timeout", "3");
   state->cluster.conf_set("client_mount_timeout", "30");  // Seconds for connect(); else 300.
   if (int r = state->cluster.connect(); r < 0) return refused(r, "the cluster of " + options.conf);
   if (int r = state->cluster.ioctx_create(options.pool.c_str(), state->pool); r < 0) {
@@ -48,6 +60,12 @@ Result<Epoch> RadosStore::acquire(ShardId id) {
   const std::lock_guard guard(shard.mutex);
   if (int r = state_->pool.create(shard_object(id), false); r < 0) {
     return tl::unexpected(state_->error_of(r, "making " + shard_object(id)));
+  }
+  if (!shard.lease || !shard.lease->fresh()) {  // Or it has gone to another since.
+    shard.lease.reset();
+    auto lease = RadosLease::take(state_->pool, shard_object(id));
+    if (!lease) return pass_on(lease, in_words(state_->options));
+    shard.lease = std::move(*lease);
   }
   for (;;) {  // Until nobody else came between.
     auto before = state_->stored_epoch(id);
@@ -117,26 +135,12 @@ Result<std::vector<std::optional<StoredTile>>> RadosStore::multi_get(
   for (const auto key : keys) {
     wanted[RegionKey::of(key).code].insert(row_key(id, key.morton()));
   }
-  std::map<std::string, StoredTile> tiles;
-  for (const auto& [region, rows] : wanted) {
-    librados::ObjectReadOperation read;
-    State::Rows found;
-    int code = 0;
-    read.omap_get_vals_by_keys(rows, &found, &code);
-    const auto object = region_object(id, region);
-    const int got = state_->pool.operate(object, &read, nullptr);
-    if (got == -ENOENT) continue;
-    if (got < 0) return tl::unexpected(state_->error_of(got, "reading " + object));
-    for (auto& [key, value] : found) {
-      auto tile = unseal_tile(key, text_of(value));
-      if (!tile) return pass_on(tile, object);
-      tiles.emplace(key, std::move(*tile));
-    }
-  }
+  auto tiles = state_->tiles_of(id, wanted);
+  if (!tiles) return pass_on(tiles);
   std::vector<std::optional<StoredTile>> found;
   for (const auto key : keys) {
-    const auto tile = tiles.find(row_key(id, key.morton()));
-    found.push_back(tile == tiles.end() ? std::nullopt : std::optional(tile->second));
+    const auto tile = tiles->find(row_key(id, key.morton()));
+    found.push_back(tile == tiles->end() ? std::nullopt : std::optional(tile->second));
   }
   return found;
 }

@@ -22,8 +22,9 @@ struct RadosOptions {
 ///          rows, sealed as RocksDbStore's. Every write compares the epoch that stands on its
 ///          object, so a stale owner is fenced by the cluster itself.
 /// Errors:  as TileStore says. put() over several regions is one write a region: where it fails
-///          (kUnknown, kNoSpace) some may be there, each whole. kUnavailable from open(): no such
-///          cluster or pool.
+///          (kUnknown, kNoSpace) some may be there, each whole. open(): kUnavailable where there is
+///          no such cluster or pool, kIo where it does not answer for half a minute. acquire():
+///          kUnavailable names the live process that owns the shard, see RadosLease.
 /// Threads: every call from any thread. Appends that wait for the same shard are written as one.
 ///          A replay must not meet a trim of its shard.
 class RadosStore final : public TileStore {
@@ -49,7 +50,8 @@ class RadosStore final : public TileStore {
   /// between.
   Status checkpoint(const std::string& directory) override;
   Status verify(ShardId shard) override;
-  /// What the tiles and journals of this model take, before replication; counted by reading them.
+  /// What the tiles of the shards used here take, before replication: an estimate from eight
+  /// regions of each, at most 10 s old, because all would be hours of reading.
   Result<std::uint64_t> disk_bytes() override;
 
  private:

@@ -9,27 +9,6 @@
 
 namespace voxatlas {
 
-namespace {
-
-/// An operation under way; whoever holds it waits for it.
-struct Completion {
-  Completion() : completion(librados::Rados::aio_create_completion()) {}
-  Completion(const Completion&) = delete;
-  Completion& operator=(const Completion&) = delete;
-  ~Completion() {
-    if (begun) completion->wait_for_complete();
-    completion->release();
-  }
-  int result() {
-    completion->wait_for_complete();
-    return completion->get_return_value();
-  }
-  librados::AioCompletion* completion;
-  bool begun = false;
-};
-
-}  // namespace
-
 Status RadosStore::State::failed(ShardId id, Shard& shard, int code, std::string_view what) {
   const Epoch mine = shard.epoch;
   shard.loaded = false;
@@ -98,6 +77,7 @@ Status RadosStore::State::make_regions(ShardId id, Shard& shard,
     const auto row = numbered_row(kRegionRow, region);
     if (!shard.regions.contains(region)) listed[row] = buffer(seal(name_key(id, row), {}));
   }
+  if (listed.empty() && shard.lease && shard.lease->fresh()) return {};
   // Where all are there this asks the shard's object whether the epoch is still ours.
   librados::ObjectWriteOperation operation;
   operation.cmpxattr(kEpochAttribute, LIBRADOS_CMPXATTR_OP_EQ, shard.epoch);
@@ -123,7 +103,7 @@ Status RadosStore::State::make_regions(ShardId id, Shard& shard,
 Status RadosStore::State::write_regions(ShardId id, Shard& shard,
                                         std::map<std::uint64_t, Rows> tiles) {
   std::deque<librados::ObjectWriteOperation> operations;
-  std::deque<Completion> under_way;
+  std::deque<RadosCompletion> under_way;
   for (auto& [region, rows_of_region] : tiles) {
     auto& operation = operations.emplace_back();
     operation.cmpxattr(kEpochAttribute, LIBRADOS_CMPXATTR_OP_GTE, shard.epoch);
