@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "atlas/atlas_state.hpp"
+#include "store/store_copy.hpp"
 
 namespace voxatlas {
 
@@ -13,6 +14,13 @@ Atlas::Atlas(std::unique_ptr<State> state) : state_(std::move(state)) {}
 Atlas::~Atlas() = default;
 
 Result<std::optional<ModelParameters>> Atlas::stored_parameters(TileStore& store, ShardId shard) {
+  auto unfinished = is_unfinished(store, shard);
+  if (!unfinished) return pass_on(unfinished);
+  if (*unfinished) {
+    return fail(
+        ErrorCode::kInvalid,
+        fmt::format("shard {} is an unfinished copy: run `voxatlas store copy` again", shard));
+  }
   auto bytes = store.value(shard, kParametersName);
   if (!bytes) return pass_on(bytes);
   if (!*bytes) return std::optional<ModelParameters>();
@@ -20,6 +28,8 @@ Result<std::optional<ModelParameters>> Atlas::stored_parameters(TileStore& store
   if (!parameters) return pass_on(parameters, fmt::format("shard {}", shard));
   return std::optional(*parameters);
 }
+
+std::vector<std::string> Atlas::value_names() { return {kParametersName}; }
 
 Result<std::unique_ptr<Atlas>> Atlas::open(TileStore& store, ShardId shard,
                                            const ModelParameters& parameters,

@@ -80,7 +80,10 @@ class Atlas {
                                              const ModelParameters& parameters,
                                              const AtlasOptions& options);
   /// The parameters a shard was made with, if it was; for opening a model as it is.
+  /// Errors: the store's; kInvalid for an unfinished copy.
   static Result<std::optional<ModelParameters>> stored_parameters(TileStore& store, ShardId shard);
+  /// Names of the store's values that an atlas keeps, for who copies a shard.
+  static std::vector<std::string> value_names();
   ~Atlas();
 
   const ModelParameters& parameters() const;

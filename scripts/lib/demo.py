@@ -42,6 +42,8 @@ def parse(arguments):
                         help="scans of the simulated drive [%(default)s]")
     parser.add_argument("--stores", metavar="N", type=int, default=1, help="tile stores [1]")
     parser.add_argument("--ingest", metavar="M", type=int, default=1, help="ingests [1]")
+    parser.add_argument("--store", metavar="S", help="keep the model elsewhere than in OUT: "
+                        "rados:CONF,POOL[,MODEL], a new one in the Ceph cluster of that ceph.conf")
     parser.add_argument("--cache-mb", metavar="B", type=int, default=512,
                         help="budget of each tile store's memory, MiB [%(default)s]")
     parser.add_argument("--size", default="1280x720", help="of the pictures [%(default)s]")
@@ -123,7 +125,7 @@ def stat_at_rest(services, hashes):
 
 def new_set(model, options):
     return ServiceSet(model, stores=options.stores, ingests=options.ingest,
-                      store_options=["--cache-mb", options.cache_mb])
+                      store_options=["--cache-mb", options.cache_mb], store=options.store)
 
 
 def run(options, model):
@@ -220,6 +222,8 @@ def main(arguments):
     finally:
         if (model / "logs").is_dir():
             shutil.copytree(model / "logs", options.out / "logs", dirs_exist_ok=True)
+        if options.store:
+            say(f"the model is in {options.store}")
         if options.keep_model:
             say(f"the model is in {model}")
         else:

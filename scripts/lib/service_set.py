@@ -101,12 +101,13 @@ class ServiceSet:
 
     def __init__(self, data_dir, bin_dir=None, url=None, hub=False, stores=1, ingests=1,
                  compressors=1, renders=1, store_options=(), ready_seconds=READY_SECONDS,
-                 compress_options=()):
+                 compress_options=(), store=None):
         self.data_dir = pathlib.Path(data_dir).absolute()
         self.bin_dir = pathlib.Path(bin_dir or default_bin_dir())
         self.counts = {"tilestore": stores, "compress": compressors, "ingest": ingests,
                        "render": renders}
         self.store_options = list(store_options)
+        self.place = ["--store", store] if store else ["--data-dir", self.data_dir]
         self.compress_options = list(compress_options)
         self.ready_seconds = ready_seconds
         self.wanted = {"url": url, "hub": hub}
@@ -162,7 +163,7 @@ class ServiceSet:
     def _services(self):
         stores = self.counts["tilestore"]
         services = [
-            self._service("tilestore", shard, "--url", self.bus.url, "--data-dir", self.data_dir,
+            self._service("tilestore", shard, "--url", self.bus.url, *self.place,
                           "--shard", shard, "--shards", stores, "--compressors",
                           self.counts["compress"], *self.store_options)
             for shard in range(stores)]
@@ -193,8 +194,10 @@ class ServiceSet:
 
     def begin(self, *arguments, **options):
         """Starts the command line, `voxatlas ARGUMENTS...`, on this set's bus."""
-        return start_process([self.bin_dir / "voxatlas", *arguments], self.env(), self.ended,
-                             **options)
+        return start_process(self.command(*arguments), self.env(), self.ended, **options)
+
+    def command(self, *arguments):
+        return [self.bin_dir / "voxatlas", *arguments]
 
     def run(self, *arguments, quiet=False):
         """Runs `voxatlas ARGUMENTS...` to its end and returns what it printed.

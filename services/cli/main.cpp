@@ -6,7 +6,7 @@
 //   stat       what the model holds
 //   simulate   the simulated drive as files
 //   doctor     what is wrong with the bus, the services, the machine, and how to mend it
-//   store      a model's folder: verify | stat | checkpoint | compact | reshard | merge
+//   store      a model at rest: verify | stat | checkpoint | copy | compact | reshard | merge
 //
 // Every subcommand is a file of its own; this one declares their options.
 #include <fmt/format.h>
@@ -309,7 +309,9 @@ static void declare_store(CLI::App& app, Command& command) {
   const auto add = [&](const char* name, const char* help, Status (*run)(const StoreOptions&)) {
     CLI::App* sub = nullptr;
     auto& options = add_command<StoreOptions>(*store, sub, name, help, command, run);
-    sub->add_option("--data-dir", options.data_dir, "folder of the model")->required();
+    sub->add_option("--data-dir,--store", options.data_dir,
+                    "folder of the model, or rados:CONF,POOL[,MODEL] for one in a Ceph cluster")
+        ->required();
     return std::pair<CLI::App*, StoreOptions*>(sub, &options);
   };
   auto [verify, verify_options] =
@@ -331,6 +333,16 @@ static void declare_store(CLI::App& app, Command& command) {
           run_store_checkpoint);
   add_url(*checkpoint, checkpoint_options->url);
   checkpoint->add_option("to", checkpoint_options->target, "folder to be made")->required();
+  CLI::App* copy = nullptr;
+  auto& copy_options = add_command<StoreOptions>(
+      *store, copy, "copy",
+      "a copy from a folder or a cluster to either, compared by SHA-256; run again after an "
+      "interruption it goes on",
+      command, run_store_copy);
+  copy->add_option("from", copy_options.data_dir,
+                   "the model, at rest: a folder, or rados:CONF,POOL[,MODEL]")
+      ->required();
+  copy->add_option("to", copy_options.target, "where to, likewise")->required();
   add("compact", "rewrite the files without what was overwritten", run_store_compact);
   auto [reshard, reshard_options] =
       add("reshard", "the same model in another number of shards", run_store_reshard);

@@ -10,59 +10,83 @@ namespace voxatlas {
 
 static constexpr std::size_t kTilesAPage = 256;
 
-std::string shard_folder(const std::string& directory, ShardId shard) {
-  return fmt::format("{}/shard-{}", directory, shard);
+static std::string in_words(const StoreLocation& location, ShardId shard) {
+  if (location.embedded()) return shard_folder(location.folder, shard);
+  return fmt::format("shard {} of {}", shard, location.text());
 }
 
-static Result<std::unique_ptr<RocksDbStore>> open_shard(const std::string& directory,
-                                                        ShardId shard) {
-  const auto folder = shard_folder(directory, shard);
+static Result<std::unique_ptr<TileStore>> open_shard(const StoreLocation& location, ShardId shard) {
   std::error_code ignored;
-  if (!std::filesystem::exists(folder + "/CURRENT", ignored)) {
+  if (location.embedded() &&
+      !std::filesystem::exists(shard_folder(location.folder, shard) + "/CURRENT", ignored)) {
     return fail(ErrorCode::kNotFound, fmt::format("there is no shard {} of a model: {} holds no "
                                                   "store",
-                                                  shard, folder));
+                                                  shard, in_words(location, shard)));
   }
   RocksDbOptions options;
   options.create = false;
-  auto store = RocksDbStore::open(folder, options);
-  if (!store && store.error().code == ErrorCode::kUnavailable) {
+  auto store = open_store(location, shard, options);
+  if (!store && location.embedded() && store.error().code == ErrorCode::kUnavailable) {
     return pass_on(store, "this needs a model at rest, stop the set of services first");
   }
   return store;
 }
 
 static Result<ModelParameters> parameters_of(TileStore& store, ShardId shard,
-                                             const std::string& directory) {
+                                             const StoreLocation& location) {
   auto stored = Atlas::stored_parameters(store, shard);
   if (!stored) return pass_on(stored);
-  if (!*stored) {
+  if (*stored) return **stored;
+  if (location.embedded()) {
     return fail(ErrorCode::kCorrupt,
-                fmt::format("{} has no parameters", shard_folder(directory, shard)));
+                fmt::format("{} has no parameters", in_words(location, shard)));
   }
-  return **stored;
+  return fail(ErrorCode::kNotFound, fmt::format("there is no {}", in_words(location, shard)));
 }
 
-Result<ModelFolder> ModelFolder::open(const std::string& directory) {
+/// Opening a folder is owning it; a cluster is told, and every earlier owner is fenced.
+static Status own(TileStore& store, ShardId shard, const StoreLocation& location) {
+  if (location.embedded()) return {};
+  if (auto owned = store.acquire(shard); !owned) {
+    return pass_on(owned, "this needs a model at rest, stop the set of services first");
+  }
+  return {};
+}
+
+static Result<bool> is_there(const StoreLocation& location, TileStore& store, ShardId shard) {
+  std::error_code ignored;
+  if (location.embedded()) {
+    return std::filesystem::exists(shard_folder(location.folder, shard), ignored);
+  }
+  auto stored = Atlas::stored_parameters(store, shard);  // A cluster's store holds every shard.
+  if (!stored) return pass_on(stored);
+  return stored->has_value();
+}
+
+Result<ModelFolder> ModelFolder::open(const std::string& place) {
+  auto location = StoreLocation::parse(place);
+  if (!location) return pass_on(location);
   ModelFolder model;
   for (ShardId shard = 0; shard == 0 || shard < model.shards(); ++shard) {
-    auto store = open_shard(directory, shard);
+    auto store = open_shard(*location, shard);
     if (!store) return pass_on(store);
-    auto parameters = parameters_of(**store, shard, directory);
+    auto parameters = parameters_of(**store, shard, *location);
     if (!parameters) return pass_on(parameters);
+    if (auto owned = own(**store, shard, *location); !owned) return pass_on(owned);
     if (shard == 0) model.parameters_ = *parameters;
     if (*parameters != model.parameters_) {
       return fail(ErrorCode::kInvalid,
-                  fmt::format("{}: shard {} is of another model than shard 0: {}", directory, shard,
+                  fmt::format("{}: shard {} is of another model than shard 0: {}", place, shard,
                               describe_difference(*parameters, model.parameters_)));
     }
     model.stores_.push_back(std::move(*store));
   }
-  std::error_code ignored;
-  if (std::filesystem::exists(shard_folder(directory, model.shards()), ignored)) {
+  auto more = is_there(*location, *model.stores_.back(), model.shards());
+  if (!more) return pass_on(more);
+  if (*more) {
     return fail(ErrorCode::kInvalid,
-                fmt::format("{} has {} shards, but there is {}", directory, model.shards(),
-                            shard_folder(directory, model.shards())));
+                fmt::format("{} has {} shards, but there is {}", place, model.shards(),
+                            in_words(*location, model.shards())));
   }
   return model;
 }

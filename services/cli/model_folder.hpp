@@ -8,22 +8,24 @@
 #include "atlas/atlas.hpp"
 #include "atlas/model_parameters.hpp"
 #include "base/result.hpp"
-#include "store/rocksdb_store.hpp"
+#include "store/store_location.hpp"
 
 namespace voxatlas {
 
-/// A model at rest: the folder of a set of services that does not run, all its shards open.
+/// A model at rest: the folder, or the place in a cluster, of a set of services that does not run,
+/// all its shards open and owned.
 ///
 /// Errors: open: kNotFound where there is no model or a shard of it is missing, kUnavailable where
 ///         a service has it open (stop the set first), kInvalid where the shards contradict each
 ///         other, kCorrupt.
 class ModelFolder {
  public:
-  static Result<ModelFolder> open(const std::string& directory);
+  /// `place` as StoreLocation::parse takes it.
+  static Result<ModelFolder> open(const std::string& place);
 
   const ModelParameters& parameters() const { return parameters_; }
   ShardId shards() const { return parameters_.shards; }
-  RocksDbStore& store(ShardId shard) { return *stores_[shard]; }
+  TileStore& store(ShardId shard) { return *stores_[shard]; }
 
   /// A shard as its service would open it: recovered from its journal.
   Result<std::unique_ptr<Atlas>> atlas(ShardId shard);
@@ -38,10 +40,7 @@ class ModelFolder {
 
  private:
   ModelParameters parameters_;
-  std::vector<std::unique_ptr<RocksDbStore>> stores_;
+  std::vector<std::unique_ptr<TileStore>> stores_;
 };
-
-/// The folder of a shard in a model's folder.
-std::string shard_folder(const std::string& directory, ShardId shard);
 
 }  // namespace voxatlas

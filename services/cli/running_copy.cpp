@@ -68,7 +68,8 @@ Status copy_running(const std::string& url, const std::string& data_dir,
 Result<ReadableModel> ReadableModel::open(const std::string& data_dir, const std::string& url) {
   ReadableModel readable;
   auto model = ModelFolder::open(data_dir);
-  if (!model && model.error().code == ErrorCode::kUnavailable) {
+  const bool running = !model && model.error().code == ErrorCode::kUnavailable;
+  if (const auto place = StoreLocation::parse(data_dir); running && place && place->embedded()) {
     readable.copy_ = fmt::format("{}/looked-at-{}", data_dir, ::getpid());
     if (auto ok = copy_running(url, data_dir, readable.copy_); !ok) return pass_on(ok);
     model = ModelFolder::open(readable.copy_);

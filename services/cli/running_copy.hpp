@@ -20,6 +20,7 @@ Status move_folder(const std::string& from, const std::string& to);
 Status copy_running(const std::string& url, const std::string& data_dir, const std::string& folder);
 
 /// A model for reading, whether it is at rest or runs: then it is a copy, gone with this object.
+/// One in a cluster must be at rest.
 class ReadableModel {
  public:
   /// Errors: those of ModelFolder::open and copy_running.

@@ -8,9 +8,9 @@
 namespace voxatlas {
 
 struct StoreOptions {
-  std::string data_dir;
-  std::string target;  ///< checkpoint's and merge's other folder.
-  std::string hashes;  ///< stat: file for one line a tile, as `voxatlas stat --hashes` writes it.
+  std::string data_dir;  ///< Or a place in a cluster, for verify, stat and copy.
+  std::string target;    ///< checkpoint's, copy's and merge's other one.
+  std::string hashes;    ///< stat: file for one line a tile, as `voxatlas stat --hashes` writes it.
   std::uint32_t shards = 0;  ///< reshard's.
   bool json = false;
   /// stat: file for one line a shard and source: shard, seq, session, source.
@@ -28,6 +28,10 @@ Status run_store_verify(const StoreOptions& options);
 Status run_store_stat(const StoreOptions& options);
 /// A copy that is a model of its own, all shards at one state; files are linked where they can be.
 Status run_store_checkpoint(const StoreOptions& options);
+/// A copy from one place to another, each a folder or in a cluster, that is a model of its own;
+/// both at rest. Interrupted, the same call goes on. Compared by SHA-256 over all that is in it.
+/// Errors: kInvalid where the target holds a model already, kCorrupt where the two differ.
+Status run_store_copy(const StoreOptions& options);
 /// Rewrites all files without what was overwritten.
 Status run_store_compact(const StoreOptions& options);
 /// The same model with another number of shards. The old one is kept beside it.

@@ -34,8 +34,19 @@ static tl::unexpected<Error> refused(const std::string& what) {
   return fail(ErrorCode::kIo, fmt::format("{}: {}", what, std::strerror(errno)));
 }
 
+static Status refuse_cluster(const std::string& place) {
+  auto location = StoreLocation::parse(place);
+  if (!location) return pass_on(location);
+  if (location->embedded()) return {};
+  return fail(ErrorCode::kInvalid,
+              fmt::format("{} is no folder: make one of it with `voxatlas store copy`, and go on "
+                          "with that",
+                          place));
+}
+
 /// The folder without a slash at its end, as names are made from it.
 static Result<std::string> folder_name(const std::string& directory) {
+  if (auto folder = refuse_cluster(directory); !folder) return pass_on(folder);
   std::error_code error;
   const auto path = fs::canonical(directory, error);
   if (!error) return path.string();
@@ -72,6 +83,9 @@ static Status copy_at_rest(const std::string& directory, const std::string& copy
 }
 
 Status run_store_checkpoint(const StoreOptions& options) {
+  for (const auto& place : {options.data_dir, options.target}) {
+    if (auto folder = refuse_cluster(place); !folder) return folder;
+  }
   const std::string partial = options.target + ".partial";
   for (const auto& path : {options.target, partial}) {
     if (auto ok = refuse_existing(path); !ok) return ok;

@@ -158,11 +158,14 @@ Status run_store_compact(const StoreOptions& options) {
   auto model = ModelFolder::open(options.data_dir);
   if (!model) return pass_on(model);
   for (ShardId shard = 0; shard < model->shards(); ++shard) {
-    auto& store = model->store(shard);
-    auto before = store.disk_bytes();
+    auto* store = dynamic_cast<RocksDbStore*>(&model->store(shard));
+    if (store == nullptr) {
+      return fail(ErrorCode::kInvalid, options.data_dir + ": a cluster compacts by itself");
+    }
+    auto before = store->disk_bytes();
     if (!before) return pass_on(before);
-    if (auto compacted = store.compact(); !compacted) return compacted;
-    auto after = store.disk_bytes();
+    if (auto compacted = store->compact(); !compacted) return compacted;
+    auto after = store->disk_bytes();
     if (!after) return pass_on(after);
     fmt::print("shard {}: {} bytes, {} before\n", shard, *after, *before);
   }

@@ -17,8 +17,14 @@ Checkpoints::~Checkpoints() {
   if (copying_.valid()) copying_.wait();
 }
 
-static Status copy_into(TileStore& store, const std::string& folder, std::int32_t shard) {
+static Status copy_into(TileStore& store, const std::string& data_dir, const std::string& name,
+                        std::int32_t shard) {
+  if (data_dir.empty()) {
+    return fail(ErrorCode::kInvalid,
+                "the model lies in a cluster: stop the set, then use `voxatlas store copy`");
+  }
   std::error_code error;
+  const std::string folder = data_dir + "/" + name;
   std::filesystem::create_directories(folder, error);
   if (error) {
     return fail(ErrorCode::kIo, fmt::format("cannot make {}: {}", folder, error.message()));
@@ -36,7 +42,7 @@ void Checkpoints::begin(const checkpoint_request_t& request) {
   copying_ = std::async(std::launch::async, [this, request] {
     const auto began = steady_utime();
     const auto folder = folder_for(request);
-    auto copied = copy_into(store_, data_dir_ + "/" + folder, request.shard);
+    auto copied = copy_into(store_, data_dir_, folder, request.shard);
     if (copied) {
       log_info("{} made in {} ms", folder, (steady_utime() - began) / 1000);
     } else {

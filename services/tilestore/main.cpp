@@ -39,7 +39,9 @@ static void declare(CLI::App& app, TilestoreOptions& options) {
   app.add_option("--url", options.url, "LCM URL of the bus")
       ->envname("LCM_DEFAULT_URL")
       ->capture_default_str();
-  app.add_option("--data-dir", options.data_dir, "folder of the model; made where it is not there")
+  app.add_option("--data-dir,--store", options.data_dir,
+                 "folder of the model; made where it is not there. Or rados:CONF,POOL[,MODEL]: a "
+                 "model in the Ceph cluster of that ceph.conf")
       ->required();
   app.add_option("--shard", options.shard, "which shard this process owns")
       ->check(CLI::Range(0, 99))

@@ -15,10 +15,11 @@
 #include "bus/requests.hpp"
 #include "bus/service_loop.hpp"
 #include "bus/stream_link.hpp"
-#include "store/rocksdb_store.hpp"
+#include "store/store_location.hpp"
 #include "tilestore/checkpoints.hpp"
 #include "tilestore/question_desk.hpp"
 #include "tilestore/raw_tiles.hpp"
+#include "tilestore/stall_reporter.hpp"
 #include "tilestore/tile_queries.hpp"
 #include "tilestore/tilestore_service.hpp"
 
@@ -71,7 +72,7 @@ class TilestoreProcess {
 
   TilestoreOptions options_;
   MemoryPlan plan_;
-  std::unique_ptr<RocksDbStore> store_;
+  std::unique_ptr<WatchedStore> store_;
   std::unique_ptr<Atlas> atlas_;
   std::unique_ptr<TilestoreService> service_;
   std::unique_ptr<TileQueries> queries_;
@@ -95,10 +96,11 @@ Status TilestoreProcess::start() {
 Status TilestoreProcess::open_model() {
   const auto began = steady_utime();
   const auto shard = static_cast<ShardId>(options_.shard);
-  auto store = RocksDbStore::open(fmt::format("{}/shard-{}", options_.data_dir, shard),
-                                  store_options(plan_));
+  auto location = StoreLocation::parse(options_.data_dir);
+  if (!location) return pass_on(location);
+  auto store = open_store(*location, shard, store_options(plan_));
   if (!store) return pass_on(store);
-  store_ = std::move(*store);
+  store_ = std::make_unique<WatchedStore>(std::move(*store));
   auto stored = Atlas::stored_parameters(*store_, shard);
   if (!stored) return pass_on(stored);
   auto parameters =
@@ -109,7 +111,7 @@ Status TilestoreProcess::open_model() {
   atlas_ = std::move(*atlas);
   service_ = std::make_unique<TilestoreService>(*atlas_, plan_.commit);
   queries_ = std::make_unique<TileQueries>(*atlas_, *store_);
-  checkpoints_ = std::make_unique<Checkpoints>(*store_, options_.data_dir);
+  checkpoints_ = std::make_unique<Checkpoints>(*store_, location->folder);
   log_info("shard {} of {} in {}: {} in {} ms", shard, options_.shards, options_.data_dir,
            *stored ? "opened" : "made", (steady_utime() - began) / 1000);
   return {};
@@ -151,6 +153,7 @@ void TilestoreProcess::answer(const checkpoint_request_t& request) {
 Status TilestoreProcess::run() {
   status_->set_state(true, "ready");
   log_info("ready");
+  const StallReporter stalls(*store_, options_.url, options_.shard, status_->instance());
   ServiceLoop loop;
   loop.buses = {bus_.get(), &in_->port()};
   loop.work = [this](std::int64_t now) { return work(now); };

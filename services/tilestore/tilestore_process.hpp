@@ -20,7 +20,7 @@ struct ModelOptions {
 
 struct TilestoreOptions {
   std::string url = kDefaultBusUrl;
-  std::string data_dir;
+  std::string data_dir;  ///< Or a place in a cluster: StoreLocation::parse.
   std::int32_t shard = 0;
   std::int32_t shards = 1;
   std::int32_t compressors = 1;

@@ -36,7 +36,8 @@ class Systemd(harness.SystemTest):
 
     def start(self, unit, url, *more):
         """The command of a unit, as systemd would fill it in, on this machine's programs."""
-        settings = {"VOX_STORES": "1", "VOX_INGESTS": "1", "VOX_COMPRESSORS": "1"}
+        settings = {"VOX_STORE": "/var/lib/voxatlas", "VOX_STORES": "1", "VOX_INGESTS": "1",
+                    "VOX_COMPRESSORS": "1"}
         command = line_of(unit, "ExecStart").replace("%i", "0")
         command = re.sub(r" \$VOX_\w+_OPTIONS", "", command)
         command = re.sub(r"\$\{(\w+)\}", lambda name: settings[name.group(1)], command)
