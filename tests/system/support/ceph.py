@@ -16,9 +16,9 @@ POOL = "tiles"
 SETTINGS = """
 [global]
 fsid = {fsid}
-mon_host = [v2:127.0.0.1:{port}/0]
-public_addr = 127.0.0.1
-cluster_addr = 127.0.0.1
+mon_host = [v2:{address}:{port}/0]
+public_addr = {address}
+cluster_addr = {address}
 ms_bind_msgr1 = false
 auth_cluster_required = none
 auth_service_required = none
@@ -62,26 +62,28 @@ def missing():
     return "not installed (scripts/setup --rados): " + ", ".join(absent) if absent else ""
 
 
-def free_port():
+def free_port(address):
     with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
+        probe.bind((address, 0))
         return probe.getsockname()[1]
 
 
 class Cluster:
     """`conf` is what clients read. All daemons end with stop()."""
 
-    def __init__(self, folder, osds=3):
+    def __init__(self, folder, osds=3, address="127.0.0.1"):
         self.folder = pathlib.Path(folder)
         self.conf = self.folder / "ceph.conf"
         self.osds = osds
+        self.address = address
         self.daemons = {}  # Name to process.
 
     def start(self):
         for part in ("run", "log", "crash", "mon.a"):
             (self.folder / part).mkdir(parents=True)
-        fsid, port = uuid.uuid4(), free_port()
-        self.conf.write_text(SETTINGS.format(fsid=fsid, port=port, folder=self.folder,
+        fsid, port = uuid.uuid4(), free_port(self.address)
+        self.conf.write_text(SETTINGS.format(fsid=fsid, port=port, address=self.address,
+                                             folder=self.folder,
                                              osds=self.osds, least=2 if self.osds > 2 else 1))
         keyring, monmap = self.folder / "keyring", self.folder / "monmap"
         self._run("ceph-authtool", "-C", keyring, "--gen-key", "-n", "mon.", "--cap", "mon",
@@ -89,7 +91,7 @@ class Cluster:
         self._run("ceph-authtool", keyring, "--gen-key", "-n", "client.admin", "--cap", "mon",
                   "allow *", "--cap", "osd", "allow *")
         self._run("monmaptool", "--create", "--fsid", fsid, "--addv", "a",
-                  f"[v2:127.0.0.1:{port}/0]", monmap)
+                  f"[v2:{self.address}:{port}/0]", monmap)
         self._run("ceph-mon", "-c", self.conf, "--mkfs", "-i", "a", "--monmap", monmap,
                   "--keyring", keyring)
         self.start_daemon("mon.a")
@@ -116,6 +118,15 @@ class Cluster:
     def kill(self, name):
         self.daemons[name].kill()
         self.daemons[name].wait()
+
+    def revive(self, *names):
+        for name in names:
+            self.start_daemon(name)
+        self.wait_until_up(self.osds)
+
+    def store(self, model):
+        """What --store takes."""
+        return f"rados:{self.conf},{POOL},{model}"
 
     def wait_until_up(self, osds):
         end = time.monotonic() + PATIENCE
