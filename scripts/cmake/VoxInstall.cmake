@@ -1,7 +1,8 @@
-# What `cmake --install` puts where, in three components; VoxPackages.cmake makes a Debian package of
+# What `cmake --install` puts where, in four components; VoxPackages.cmake makes a Debian package of
 # each. Paths are relative to the prefix (/usr in the packages).
 #
 #   services   the programs, voxatlas-up and voxatlas-demo, systemd's units
+#   rados      the module for models in a Ceph cluster, where scripts/setup --rados has been run
 #   types      for clients in any language: the .lcm files; for C++ what lcm-gen made of them, with
 #              a pkg-config file and a CMake package (voxatlas::lcmtypes)
 #   libs       for C++ clients that read tiles or publish reliably: static libraries and headers
@@ -16,6 +17,11 @@ set(config lib/cmake/voxatlas)  # Not an architecture's own folder: both find th
 install(TARGETS vox_cli_main vox_compress_main vox_hub_main vox_ingest_main vox_render_main
                 vox_tilestore_main
         RUNTIME COMPONENT services)
+# A component of its own, so that the services can be installed without librados; libs/store looks
+# for it here.
+if(TARGET vox_rados_module)
+  install(TARGETS vox_rados_module LIBRARY DESTINATION lib/voxatlas COMPONENT rados)
+endif()
 install(PROGRAMS scripts/up scripts/demo scripts/in_namespace
         DESTINATION ${share}/scripts COMPONENT services)
 install(DIRECTORY scripts/lib DESTINATION ${share}/scripts COMPONENT services

@@ -1,6 +1,7 @@
-# Debian packages of the three components of VoxInstall.cmake: scripts/package calls CPack.
+# Debian packages of the four components of VoxInstall.cmake: scripts/package calls CPack.
 #
 #   voxatlas         services; what they load is found out by dpkg-shlibdeps
+#   voxatlas-rados   rados: brings librados; voxatlas recommends it
 #   voxatlas-types   types
 #   voxatlas-dev     libs
 set(CPACK_GENERATOR DEB)
@@ -22,6 +23,15 @@ set(CPACK_DEBIAN_SERVICES_PACKAGE_NAME voxatlas)
 set(CPACK_DEBIAN_SERVICES_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_SERVICES_PACKAGE_DEPENDS "python3, iproute2, util-linux, passwd")
 set(CPACK_DEBIAN_SERVICES_PACKAGE_CONTROL_EXTRA ${PROJECT_SOURCE_DIR}/scripts/systemd/postinst)
+
+if(TARGET vox_rados_module)
+  list(APPEND CPACK_COMPONENTS_ALL rados)
+  set(CPACK_DEBIAN_SERVICES_PACKAGE_RECOMMENDS voxatlas-rados)
+  set(CPACK_DEBIAN_RADOS_PACKAGE_NAME voxatlas-rados)
+  set(CPACK_DEBIAN_RADOS_PACKAGE_SHLIBDEPS ON)
+  # The module takes what it needs from the programs: they must be of the same build.
+  set(CPACK_DEBIAN_RADOS_PACKAGE_DEPENDS "voxatlas (= ${PROJECT_VERSION})")
+endif()
 
 set(CPACK_DEBIAN_TYPES_PACKAGE_NAME voxatlas-types)
 set(CPACK_DEBIAN_TYPES_PACKAGE_DEPENDS "liblcm-dev, liblcm-bin")
