@@ -59,7 +59,7 @@ static void declare(CLI::App& app, TilestoreOptions& options) {
       ->check(CLI::Range(1, 1 << 20));
   app.add_option_function<std::size_t>(
          "--journal-mb", [&options](std::size_t mb) { options.journal_max_bytes = mb << 20; },
-         "most the journal may hold, MiB [40]")
+         "most the journal may hold, MiB [32]")
       ->check(CLI::Range(1, 1 << 16));
   app.add_option("--rest-seconds", options.rest_seconds,
                  "a tile unchanged for so long is given to a compressor")
