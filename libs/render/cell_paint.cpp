@@ -36,13 +36,24 @@ void CellPaint::set_normal(const Eigen::Vector3f& normal) {
   bits_ = static_cast<std::uint16_t>(bits_ | kNormal | steps(p.x()) << 7 | steps(p.y()));
 }
 
-Eigen::Vector3f CellPaint::normal() const {
-  if ((bits_ & kNormal) == 0) return Eigen::Vector3f::Zero();
-  Eigen::Vector2f p(static_cast<float>(bits_ >> 7 & 0x7f), static_cast<float>(bits_ & 0x7f));
+Eigen::Vector3f CellPaint::decode(std::uint16_t bits) {
+  if ((bits & kNormal) == 0) return Eigen::Vector3f::Zero();
+  Eigen::Vector2f p(static_cast<float>(bits >> 7 & 0x7f), static_cast<float>(bits & 0x7f));
   p = (p / kNormalSteps).array() - 1;
   const float z = 1 - p.cwiseAbs().sum();
   if (z < 0) p = fold(p);
   return Eigen::Vector3f(p.x(), p.y(), z).normalized();
+}
+
+const std::vector<Eigen::Vector3f>& CellPaint::normals() {
+  static const std::vector<Eigen::Vector3f> all = [] {
+    std::vector<Eigen::Vector3f> decoded;
+    for (unsigned bits = 0; bits < 2u * kNormal; ++bits) {
+      decoded.push_back(decode(static_cast<std::uint16_t>(bits)));
+    }
+    return decoded;
+  }();
+  return all;
 }
 
 }  // namespace voxatlas

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "octree/tile_tree.hpp"
 
@@ -24,12 +26,17 @@ class CellPaint {
   bool coloured() const { return (bits_ & kColoured) != 0; }
   Rgb rgb() const { return rgb_; }  ///< Says something only where coloured().
   /// Of about length 1; zero where there is none.
-  Eigen::Vector3f normal() const;
+  Eigen::Vector3f normal() const { return decode(bits_); }
+  /// The same as a look into normals(), for whoever needs many.
+  std::size_t normal_index() const { return bits_ & (2u * kNormal - 1); }
+  static const std::vector<Eigen::Vector3f>& normals();
 
   static constexpr int kLogOddsShift = 7;
 
  private:
   static constexpr std::uint16_t kColoured = 1u << 15, kNormal = 1u << 14;
+
+  static Eigen::Vector3f decode(std::uint16_t bits);
 
   std::uint8_t log_odds_ = 0;
   Rgb rgb_;

@@ -14,51 +14,56 @@ constexpr std::array kReach = {1, 4};    // Pixels.
 
 }  // namespace
 
-EyeDome::EyeDome(const CellImage& image, float roughness)
-    : image_(image), roughness_(roughness), inverse_(image.z.size()) {
-  std::transform(image.z.begin(), image.z.end(), inverse_.begin(),
-                 [](float z) { return 1.0f / z; });  // Sky: 1 / infinity is 0.
-}
-
 /// Adds to `shade` how far each pixel of row y lies behind the mean of two opposite neighbours,
 /// as a part of its depth. Sky, and pixels whose pair leaves the picture, get nothing.
-void EyeDome::add_pair(int y, Step step, std::span<float> shade) const {
+void EyeDome::add_pair(int y, Step step, const float* inverse, float* shade) const {
   const int margin = std::abs(step.dx);
   if (y - std::abs(step.dy) < 0 || y + std::abs(step.dy) >= image_.height) return;
   const std::ptrdiff_t offset = std::ptrdiff_t{step.dy} * image_.width + step.dx;
   const float* z = image_.z.data() + image_.index(0, y);
-  const float* w = inverse_.data() + image_.index(0, y);
-  float* sum = shade.data();
+  const float* w = inverse;
   const float roughness = roughness_;
   for (int x = margin; x < image_.width - margin; ++x) {
     const float before = (0.5f * (w[x + offset] + w[x - offset]) - w[x]) * z[x] - roughness * w[x];
     const float some = before > 0 ? before : 0.0f;  // Sky: not a number, so nothing.
-    sum[x] += some < kMostOfOnePair ? some : kMostOfOnePair;
+    shade[x] += some < kMostOfOnePair ? some : kMostOfOnePair;
   }
 }
 
-void EyeDome::row(int y, std::span<float> light) const {
+void EyeDome::light(int first, int last, Band& band) const {
   constexpr std::array<Step, 4> kPairs = {{{1, 0}, {0, 1}, {1, 1}, {1, -1}}};
-  std::fill(light.begin(), light.end(), 0.0f);
-  for (const int reach : kReach) {
-    for (const Step pair : kPairs) add_pair(y, {pair.dx * reach, pair.dy * reach}, light);
-  }
-  const float* z = image_.z.data() + image_.index(0, y);
-  for (std::size_t x = 0; x < light.size(); ++x) {
-    // Most of a picture lies behind nothing.
-    light[x] = light[x] == 0 || z[x] == CellImage::kNowhere
-                   ? 1.0f
-                   : std::max(kDarkest, std::exp(-kStrength * light[x]));
+  const int above = std::max(0, first - kReach.back());
+  const int below = std::min(image_.height, last + kReach.back());
+  band.first_ = first;
+  band.width_ = static_cast<std::size_t>(image_.width);
+  band.light_.assign(static_cast<std::size_t>(last - first) * band.width_, 0.0f);
+  band.inverse_.resize(static_cast<std::size_t>(below - above) * band.width_);
+  const float* from = image_.z.data() + image_.index(0, above);
+  std::transform(from, from + band.inverse_.size(), band.inverse_.begin(),
+                 [](float z) { return 1.0f / z; });  // Sky: 1 / infinity is 0.
+  for (int y = first; y < last; ++y) {
+    float* light = band.light_.data() + static_cast<std::size_t>(y - first) * band.width_;
+    const float* inverse = band.inverse_.data() + static_cast<std::size_t>(y - above) * band.width_;
+    for (const int reach : kReach) {
+      for (const Step pair : kPairs) {
+        add_pair(y, {pair.dx * reach, pair.dy * reach}, inverse, light);
+      }
+    }
+    const float* z = image_.z.data() + image_.index(0, y);
+    for (std::size_t x = 0; x < band.width_; ++x) {
+      // Most of a picture lies behind nothing.
+      light[x] = light[x] == 0 || z[x] == CellImage::kNowhere
+                     ? 1.0f
+                     : std::max(kDarkest, std::exp(-kStrength * light[x]));
+    }
   }
 }
 
 std::vector<float> eye_dome_light(const CellImage& image, float roughness) {
-  const EyeDome dome(image, roughness);
-  std::vector<float> light(image.z.size());
-  for (int y = 0; y < image.height; ++y) {
-    dome.row(y, std::span(light).subspan(image.index(0, y), static_cast<std::size_t>(image.width)));
-  }
-  return light;
+  EyeDome::Band band;
+  EyeDome(image, roughness).light(0, image.height, band);
+  const auto all = band.row(0);
+  return {all.data(), all.data() + image.z.size()};
 }
 
 std::size_t fill_holes(CellImage& image) {

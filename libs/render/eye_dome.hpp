@@ -18,24 +18,38 @@ namespace voxatlas {
 inline constexpr float kDarkest = 0.25f;
 std::vector<float> eye_dome_light(const CellImage& image, float roughness);
 
-/// The same row by row, for whoever goes through the picture anyway.
+/// The same by bands of rows, for whoever goes through the picture anyway.
 ///
-/// Ownership: borrows the image. Threads: row() from any number of threads.
+/// Ownership: borrows the image. Threads: light() from any number of threads, a band each.
 class EyeDome {
  public:
-  EyeDome(const CellImage& image, float roughness);
-  /// Writes the light of row y; `light` has the picture's width.
-  void row(int y, std::span<float> light) const;
+  EyeDome(const CellImage& image, float roughness) : image_(image), roughness_(roughness) {}
+
+  /// Rows first .. last - 1, and what they are reckoned from: kept between bands for its memory.
+  class Band {
+   public:
+    std::span<const float> row(int y) const {
+      return std::span(light_).subspan(static_cast<std::size_t>(y - first_) * width_, width_);
+    }
+
+   private:
+    friend EyeDome;
+    int first_ = 0;
+    std::size_t width_ = 0;
+    std::vector<float> inverse_;  // 1 / z, of the rows above and below too; 0 for sky.
+    std::vector<float> light_;
+  };
+  void light(int first, int last, Band& band) const;
 
  private:
   struct Step {
     int dx, dy;
   };
-  void add_pair(int y, Step step, std::span<float> shade) const;
+  /// `inverse`: of the row's first pixel.
+  void add_pair(int y, Step step, const float* inverse, float* shade) const;
 
   const CellImage& image_;
   float roughness_;
-  std::vector<float> inverse_;  // 1 / z; 0 for sky.
 };
 
 /// Closes gaps between splats: a pixel that at least six of its eight neighbours stand well before

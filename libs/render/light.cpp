@@ -24,7 +24,7 @@ Eigen::Vector3d east_of(const Eigen::Vector3d& up_ecef) {
 Sun::Sun(const Eigen::Vector3d& up_ecef) {
   const Eigen::Vector3d east = east_of(up_ecef);
   const Eigen::Vector3d south = east.cross(up_ecef);
-  direction_ = (0.8 * up_ecef + 0.25 * east + 0.5 * south).normalized();
+  direction_ = (0.8 * up_ecef + 0.25 * east + 0.5 * south).normalized().cast<float>();
 }
 
 Rgb sky_colour(double sine) {

@@ -24,19 +24,19 @@ class Sun {
  public:
   explicit Sun(const Eigen::Vector3d& up_ecef);
 
-  /// On a surface with this normal, either way round, of any length, which is seen along `sight`;
+  /// On a surface with this normal of length 1, either way round, which is seen along `sight`;
   /// without a normal (zero) an even light.
-  float on(Eigen::Vector3d normal, const Eigen::Vector3d& sight) const {
-    if (normal.isZero()) return kWithoutNormal;
-    if (normal.dot(sight) > 0) normal = -normal;  // The side that is seen.
-    const double cosine = normal.normalized().dot(direction_);
-    return static_cast<float>(kShade + (1 - kShade) * (0.5 + 0.5 * cosine));
+  float on(const Eigen::Vector3f& normal, const Eigen::Vector3f& sight) const {
+    if (normal.isZero(0)) return kWithoutNormal;
+    const float cosine = normal.dot(direction_);
+    const float seen = normal.dot(sight) > 0 ? -cosine : cosine;  // The side that is seen.
+    return kShade + (1 - kShade) * (0.5f + 0.5f * seen);
   }
 
  private:
   static constexpr float kWithoutNormal = 0.8f;
-  static constexpr double kShade = 0.35;
-  Eigen::Vector3d direction_;
+  static constexpr float kShade = 0.35f;
+  Eigen::Vector3f direction_;
 };
 
 /// By the sine of the angle above the horizon.
@@ -46,7 +46,7 @@ Rgb sky_colour(double sine);
 class SkyColours {
  public:
   SkyColours();
-  Rgb at(double sine) const { return table_[static_cast<std::size_t>((sine + 1) * kSteps + 0.5)]; }
+  Rgb at(float sine) const { return table_[static_cast<std::size_t>((sine + 1) * kSteps + 0.5f)]; }
 
  private:
   static constexpr int kSteps = 500;

@@ -10,7 +10,7 @@ namespace {
 constexpr double kGroundShare = 0.05, kTopShare = 0.99;
 
 /// Finding where a node is costs a search: some are enough, and more would be felt in each frame.
-constexpr std::uint64_t kSamples = 4000;
+constexpr std::uint64_t kSamples = 1000;
 constexpr int kSampledDepth = 5;
 
 }  // namespace

@@ -29,7 +29,13 @@ float roughness_of(const CellImage& cells, const TreeNumbers& numbers, const Gri
   return static_cast<float>(grid.cell_length(static_cast<int>(depth)));
 }
 
-/// All that pixels are coloured by; rows of them by any number of threads.
+/// A direction, or a place, by pixel of a row: at(x) = first + x * step.
+struct AlongRow {
+  Eigen::Vector3f first, step;
+  Eigen::Vector3f at(int x) const { return first + static_cast<float>(x) * step; }
+};
+
+/// All that pixels are coloured by; bands of rows by any number of threads.
 class TreeShader {
  public:
   TreeShader(const CellImage& cells, const TreeNumbers& numbers, const Camera& camera,
@@ -37,81 +43,124 @@ class TreeShader {
       : cells_(cells),
         numbers_(numbers),
         camera_(camera),
-        heights_(heights),
         colouring_(colouring),
         ecef_from_camera_(camera.rotation().transpose()),
-        up_camera_(camera.rotation() * heights.up_ecef),
         dome_(cells, roughness_of(cells, numbers, grid)),
+        normals_(CellPaint::normals()),
         sun_(heights.up_ecef),
-        east_(east_of(heights.up_ecef)),
+        up_(heights.up_ecef.cast<float>()),
+        east_(east_of(heights.up_ecef).cast<float>()),
+        ground_(heights.ground),
         height_(to_geodetic(camera.position()).value().height),
         by_height_(colouring == Colouring::kHeight ? height_colour : neutral_colour, heights.rise) {
   }
 
-  void row(int y, std::vector<float>& light, Image& image) const {
-    light.resize(static_cast<std::size_t>(cells_.width));
-    dome_.row(y, light);
-    std::uint32_t last = CellImage::kNone;  // Neighbours often show the same cell.
-    TreeNumbers::Found found{};
-    Rgb colour;
-    for (int x = 0; x < cells_.width; ++x) {
-      const std::size_t at = cells_.index(x, y);
-      const std::uint32_t number = cells_.cell[at];
-      const Eigen::Vector3d ray = camera_.ray(x + 0.5, y + 0.5);
-      if (number == CellImage::kNone) {
-        image.at(x, y) = sky_.at(ray.dot(up_camera_) / ray.norm());
-        continue;
-      }
-      if (number != last) {
-        if (!numbers_.holds(found, number)) found = numbers_.find(number);
-        found.node = number - numbers_.first_of(found.tree);
-        const double z = static_cast<double>(cells_.z[at]);
-        colour = colour_of(found, ray, camera_.point(x + 0.5, y + 0.5, z).dot(up_camera_));
-      }
-      last = number;
-      image.at(x, y) = lit(colour, light[static_cast<std::size_t>(x)]);
+  /// What a thread keeps between bands.
+  struct Scratch {
+    EyeDome::Band light;
+    TreeNumbers::Found found{};  // Neighbours often show the same tree.
+  };
+
+  void band(int first, int last, Scratch& scratch, Image& image) const {
+    dome_.light(first, last, scratch.light);
+    for (int y = first; y < last; ++y) {
+      for (int x = 0; x < cells_.width; x += kRun) run(x, y, scratch, image);
     }
   }
 
  private:
-  Rgb colour_of(const TreeNumbers::Found& found, const Eigen::Vector3d& ray, double height) const {
-    const CellPaint& paint = numbers_.paint(found);
-    const Eigen::Vector3d normal = paint.normal().cast<double>();
-    const Eigen::Vector3d sight = ecef_from_camera_ * ray;
+  static constexpr int kRun = 128;  // Pixels.
+  struct Shown {
+    const CellPaint* paint;
+    TreeNumbers::Found found;
+  };
+
+  using Run = std::array<Shown, kRun>;
+
+  /// The paints lie all over memory: they are called for first, and wait for one another least so.
+  void look_up(int first, int last, int y, TreeNumbers::Found& found, Run& shown) const {
+    for (int x = first; x < last; ++x) {
+      const std::uint32_t number = cells_.cell[cells_.index(x, y)];
+      if (number == CellImage::kNone) continue;
+      if (!numbers_.holds(found, number)) found = numbers_.find(number);
+      found.node = number - numbers_.first_of(found.tree);
+      Shown& pixel = shown[static_cast<std::size_t>(x - first)];
+      pixel = {&numbers_.paint(found), found};
+      __builtin_prefetch(pixel.paint);
+    }
+  }
+
+  void run(int first, int y, Scratch& scratch, Image& image) const {
+    const int last = std::min(cells_.width, first + kRun);
+    Run shown;
+    look_up(first, last, y, scratch.found, shown);
+    const auto light = scratch.light.row(y);
+    const AlongRow sights = along(y, [&](double px, double py) { return camera_.ray(px, py); });
+    const AlongRow starts =
+        along(y, [&](double px, double py) { return camera_.point(px, py, 0); });
+    std::uint32_t shaded = CellImage::kNone;
+    Rgb colour;
+    for (int x = first; x < last; ++x) {
+      const std::size_t at = cells_.index(x, y);
+      const std::uint32_t number = cells_.cell[at];
+      const Eigen::Vector3f sight = sights.at(x);
+      if (number == CellImage::kNone) {
+        image.at(x, y) = sky_.at(sight.dot(up_) / sight.norm());
+        continue;
+      }
+      if (number != shaded) {
+        const float height = (starts.at(x) + cells_.z[at] * sight).dot(up_);
+        colour = colour_of(shown[static_cast<std::size_t>(x - first)], sight, height);
+      }
+      shaded = number;
+      image.at(x, y) = lit(colour, light[static_cast<std::size_t>(x)]);
+    }
+  }
+
+  /// What `of` says of pixels' middles in the camera's frame, along row y in ECEF.
+  template <class Of>
+  AlongRow along(int y, const Of& of) const {
+    const Eigen::Vector3d first = ecef_from_camera_ * of(0.5, y + 0.5);
+    const Eigen::Vector3d second = ecef_from_camera_ * of(1.5, y + 0.5);
+    return {first.cast<float>(), (second - first).cast<float>()};
+  }
+
+  Rgb colour_of(const Shown& shown, const Eigen::Vector3f& sight, float height) const {
+    const Eigen::Vector3f& normal = normals_[shown.paint->normal_index()];
     if (colouring_ == Colouring::kNormal) return normal_colour(normal, sight);
-    return lit(own(found, paint, height), sun_.on(normal, sight));
+    return lit(own(shown, static_cast<double>(height)), sun_.on(normal, sight));
   }
   /// The side that is seen.
-  Rgb normal_colour(Eigen::Vector3d normal, const Eigen::Vector3d& sight) const {
-    if (normal.isZero()) return {128, 128, 128};
+  Rgb normal_colour(Eigen::Vector3f normal, const Eigen::Vector3f& sight) const {
+    if (normal.isZero(0)) return {128, 128, 128};
     if (normal.dot(sight) > 0) normal = -normal;
-    const auto level = [](double x) {
-      return static_cast<std::uint8_t>(std::lround(127.5 + 127.5 * std::clamp(x, -1.0, 1.0)));
+    const auto level = [](float x) {
+      return static_cast<std::uint8_t>(std::lround(127.5f + 127.5f * std::clamp(x, -1.0f, 1.0f)));
     };
-    const Eigen::Vector3d& up = heights_.up_ecef;
-    return {level(normal.dot(east_)), level(normal.dot(up.cross(east_))), level(normal.dot(up))};
+    return {level(normal.dot(east_)), level(normal.dot(up_.cross(east_))), level(normal.dot(up_))};
   }
   /// `height`: above the camera, metres.
-  Rgb own(const TreeNumbers::Found& found, const CellPaint& paint, double height) const {
+  Rgb own(const Shown& shown, double height) const {
+    const CellPaint& paint = *shown.paint;
     if (colouring_ == Colouring::kProbability) {
       return ramp_colour(2 * to_probability(paint.log_odds()) - 1);
     }
-    if (colouring_ == Colouring::kLeafDepth) return depth_colour(numbers_.depth(found));
+    if (colouring_ == Colouring::kLeafDepth) return depth_colour(numbers_.depth(shown.found));
     if (colouring_ == Colouring::kEllipsoid) return ellipsoid_colour(height_ + height);
     if (colouring_ == Colouring::kRgb && paint.coloured()) return paint.rgb();
-    return by_height_.at(height - heights_.ground);
+    return by_height_.at(height - ground_);
   }
 
   const CellImage& cells_;
   const TreeNumbers& numbers_;
   const Camera& camera_;
-  const SceneHeights& heights_;
   Colouring colouring_;
   Eigen::Matrix3d ecef_from_camera_;
-  Eigen::Vector3d up_camera_;
   EyeDome dome_;
+  const std::vector<Eigen::Vector3f>& normals_;
   Sun sun_;
-  Eigen::Vector3d east_;
+  Eigen::Vector3f up_, east_;
+  double ground_;
   double height_;  // The camera's above the ellipsoid.
   HeightColours by_height_;
   SkyColours sky_;
@@ -133,14 +182,12 @@ Image shade(const CellImage& cells, const TreeNumbers& numbers, const Camera& ca
             const Grid& grid, const SceneHeights& heights, Colouring colouring, Workers& workers) {
   const TreeShader shader(cells, numbers, camera, grid, heights, colouring);
   Image image(cells.width, cells.height);
-  std::vector<std::vector<float>> light(workers.count());
+  std::vector<TreeShader::Scratch> scratch(workers.count());
   constexpr int kRows = 16;
   const auto bands = static_cast<std::size_t>((cells.height + kRows - 1) / kRows);
   workers.run(bands, [&](std::size_t band, std::size_t worker) {
     const int first = static_cast<int>(band) * kRows;
-    for (int y = first; y < std::min(cells.height, first + kRows); ++y) {
-      shader.row(y, light[worker], image);
-    }
+    shader.band(first, std::min(cells.height, first + kRows), scratch[worker], image);
   });
   return image;
 }

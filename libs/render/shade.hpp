@@ -49,7 +49,7 @@ SceneHeights scene_heights(const Camera& camera, const Grid& grid,
 /// The picture: each cell in its colour, under a high sun from the south-east and eye-dome light;
 /// behind them the sky, lighter towards the horizon, and pale grey below it, where nothing is
 /// known. Heights are those of the points that pixels show.
-/// Cost: some 10 ns a pixel, shared by the workers.
+/// Cost: some 20 ns a pixel, shared by the workers.
 Image shade(const CellImage& cells, const TreeNumbers& numbers, const Camera& camera,
             const Grid& grid, const SceneHeights& heights, Colouring colouring, Workers& workers);
 

@@ -152,7 +152,7 @@ TEST_CASE("the sky is as light by steps as it is by itself", "[shade]") {
   const SkyColours sky;
   for (int i = -1000; i <= 1000; ++i) {
     if (i == -1 || i == 0) continue;  // The horizon itself is an edge.
-    const Rgb exact = sky_colour(i / 1000.0), stepped = sky.at(i / 1000.0);
+    const Rgb exact = sky_colour(i / 1000.0), stepped = sky.at(static_cast<float>(i) / 1000);
     REQUIRE(std::abs(exact.r - stepped.r) <= 2);
     REQUIRE(std::abs(exact.g - stepped.g) <= 2);
     REQUIRE(std::abs(exact.b - stepped.b) <= 2);
