@@ -6,62 +6,56 @@
 namespace voxatlas {
 namespace {
 
-/// Only once all is there: a message is allocated by what came, not by what was announced, and a
-/// vector that grew on the way would be copied again and again.
-Bytes join(std::vector<Bytes>&& pieces, std::size_t bytes) {
-  if (pieces.size() == 1) return std::move(pieces.front());
-  Bytes whole;
-  whole.reserve(bytes);
-  for (auto& piece : pieces) {
-    whole.insert(whole.end(), piece.begin(), piece.end());
-    piece = Bytes();
-  }
-  return whole;
-}
+/// The most that is reserved for a message on the word of its first chunk. What nothing is written
+/// to costs addresses, no memory.
+constexpr std::size_t kMostReserved = std::size_t{8} << 20;
 
 }  // namespace
 
 IncomingStream::IncomingStream(std::int64_t session, std::int64_t base)
     : session_(session), next_(base), committed_(base), highest_(base), offered_(base) {}
 
-IncomingStream::Outcome IncomingStream::take(chunk_t&& chunk, std::size_t max_message_bytes,
+IncomingStream::Outcome IncomingStream::take(const chunk_t& head, ByteView data,
+                                             std::size_t max_message_bytes,
                                              std::vector<StreamMessage>& ready) {
-  if (has(chunk.seq)) return Outcome::kDuplicate;
-  seen_below(chunk.seq + 1);
-  if (chunk.seq != next_) {
-    pending_bytes_ += chunk.data.size();
-    pending_.emplace(chunk.seq, std::move(chunk));
+  if (has(head.seq)) return Outcome::kDuplicate;
+  seen_below(head.seq + 1);
+  if (head.seq != next_) {
+    chunk_t kept = head;
+    kept.data.assign(data.begin(), data.end());
+    pending_bytes_ += data.size();
+    pending_.emplace(head.seq, std::move(kept));
     return Outcome::kTaken;
   }
-  if (!append(std::move(chunk), max_message_bytes, ready)) return give_up();
+  if (!append(head, data, max_message_bytes, ready)) return give_up();
   while (!pending_.empty() && pending_.begin()->first == next_) {
-    auto piece = std::move(pending_.extract(pending_.begin()).mapped());
+    const auto piece = std::move(pending_.extract(pending_.begin()).mapped());
     pending_bytes_ -= piece.data.size();
-    if (!append(std::move(piece), max_message_bytes, ready)) return give_up();
+    if (!append(piece, piece.data, max_message_bytes, ready)) return give_up();
   }
   return Outcome::kTaken;
 }
 
-bool IncomingStream::fits(const chunk_t& chunk) const {
-  if (index_ == 0) return chunk.index == 0 && (message_ < 0 || chunk.message == message_);
-  return chunk.index == index_ && chunk.message == message_ && chunk.count == count_ &&
-         chunk.kind == kind_;
+bool IncomingStream::fits(const chunk_t& head) const {
+  if (index_ == 0) return head.index == 0 && (message_ < 0 || head.message == message_);
+  return head.index == index_ && head.message == message_ && head.count == count_ &&
+         head.kind == kind_;
 }
 
-bool IncomingStream::append(chunk_t&& chunk, std::size_t max_message_bytes,
+bool IncomingStream::append(const chunk_t& head, ByteView data, std::size_t max_message_bytes,
                             std::vector<StreamMessage>& ready) {
-  if (!fits(chunk) || chunk.data.size() > max_message_bytes - pieces_bytes_) return false;
+  if (!fits(head) || data.size() > max_message_bytes - pieces_.size()) return false;
   if (index_ == 0) {
-    message_ = chunk.message;
-    count_ = chunk.count;
-    kind_ = chunk.kind;
+    message_ = head.message;
+    count_ = head.count;
+    kind_ = head.kind;
+    const auto announced = static_cast<std::size_t>(count_) * data.size();
+    pieces_.reserve(std::min({announced, max_message_bytes, kMostReserved}));
   }
-  pieces_bytes_ += chunk.data.size();
-  pieces_.push_back(std::move(chunk.data));
+  pieces_.insert(pieces_.end(), data.begin(), data.end());
   ++next_;
   if (++index_ < count_) return true;
-  ready.push_back({session_, message_, static_cast<MessageKind>(kind_),
-                   join(std::move(pieces_), pieces_bytes_)});
+  ready.push_back({session_, message_, static_cast<MessageKind>(kind_), std::move(pieces_)});
   uncommitted_.push_back({message_, next_});
   drop_pieces();
   ++message_;
@@ -71,7 +65,6 @@ bool IncomingStream::append(chunk_t&& chunk, std::size_t max_message_bytes,
 void IncomingStream::drop_pieces() {
   index_ = 0;
   pieces_ = {};
-  pieces_bytes_ = 0;
 }
 
 IncomingStream::Outcome IncomingStream::give_up() {

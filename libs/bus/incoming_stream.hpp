@@ -22,7 +22,8 @@ class IncomingStream {
 
   enum class Outcome { kTaken, kDuplicate, kBroken };
   /// A data chunk whose own fields, size and CRC are right. Whole messages go to `ready`.
-  Outcome take(chunk_t&& chunk, std::size_t max_message_bytes, std::vector<StreamMessage>& ready);
+  Outcome take(const chunk_t& head, ByteView data, std::size_t max_message_bytes,
+               std::vector<StreamMessage>& ready);
   bool has(std::int64_t seq) const { return seq < next_ || pending_.contains(seq); }
 
   /// The producer says that everything below is committed: nothing of it will come any more.
@@ -43,7 +44,7 @@ class IncomingStream {
   std::int64_t offered() const { return offered_; }
   /// Chunks that have arrived, counted as if those below received() were all.
   std::int64_t arrived() const { return next_ + static_cast<std::int64_t>(pending_.size()); }
-  std::size_t held_bytes() const { return pending_bytes_ + pieces_bytes_; }
+  std::size_t held_bytes() const { return pending_bytes_ + pieces_.size(); }
   bool in_pieces() const { return index_ > 0; }
   bool all_committed() const { return uncommitted_.empty() && index_ == 0 && pending_.empty(); }
   bool broken() const { return broken_; }
@@ -54,8 +55,9 @@ class IncomingStream {
     std::int64_t end;  ///< The chunk after its last.
   };
 
-  bool append(chunk_t&& chunk, std::size_t max_message_bytes, std::vector<StreamMessage>& ready);
-  bool fits(const chunk_t& chunk) const;
+  bool append(const chunk_t& head, ByteView data, std::size_t max_message_bytes,
+              std::vector<StreamMessage>& ready);
+  bool fits(const chunk_t& head) const;
   void drop_pieces();
   Outcome give_up();
 
@@ -71,8 +73,7 @@ class IncomingStream {
   std::int32_t index_ = 0;     ///< Of chunk next_ in it.
   std::int32_t count_ = 0;
   std::int16_t kind_ = 0;
-  std::vector<Bytes> pieces_;  ///< Of that message, those before next_.
-  std::size_t pieces_bytes_ = 0;
+  Bytes pieces_;  ///< Of that message, those before next_, one after another.
   std::deque<Whole> uncommitted_;
   bool broken_ = false;
 };

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "base/check.hpp"
-
 namespace voxatlas {
 
 std::int64_t SendQueue::push(MessageKind kind, Bytes payload) {
@@ -44,21 +42,6 @@ std::vector<Bytes> SendQueue::payloads() const {
   std::vector<Bytes> payloads;
   for (const auto& message : messages_) payloads.push_back(message.payload);
   return payloads;
-}
-
-void encode_chunk(const chunk_t& head, ByteView data, Bytes& bytes) {
-  VOX_CHECK(head.data.empty() && static_cast<std::size_t>(head.size) == data.size());
-  bytes.resize(static_cast<std::size_t>(head.getEncodedSize()));
-  // The data and, before it, its size are the last fields.
-  const auto front = bytes.size() - data.size();
-  chunk_t without_data = head;
-  without_data.size = 0;
-  without_data.encode(bytes.data(), 0, static_cast<int>(front));
-  for (std::size_t i = 0; i < 4; ++i) {
-    bytes[front - 4 + i] =
-        static_cast<std::uint8_t>(static_cast<std::uint32_t>(head.size) >> (24 - 8 * i));
-  }
-  std::ranges::copy(data, bytes.begin() + static_cast<std::ptrdiff_t>(front));
 }
 
 }  // namespace voxatlas

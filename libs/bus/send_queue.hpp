@@ -60,7 +60,4 @@ class SendQueue {
   std::int64_t offered_messages_ = 0;
 };
 
-/// Encodes the chunk that `head` and `data` are together into `bytes`, whose memory is used again.
-void encode_chunk(const chunk_t& head, ByteView data, Bytes& bytes);
-
 }  // namespace voxatlas

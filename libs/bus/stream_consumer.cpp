@@ -5,6 +5,7 @@
 #include <map>
 #include <utility>
 
+#include "base/crc32c.hpp"
 #include "bus/checksum.hpp"
 #include "bus/credit.hpp"
 #include "bus/incoming_stream.hpp"
@@ -37,7 +38,7 @@ struct StreamConsumer::State {
 
   Source* source_of(const chunk_t& chunk);
   bool make_room_for_stream();
-  void take_data(Source& source, chunk_t&& chunk, std::int64_t now);
+  void take_data(Source& source, const chunk_t& head, ByteView data, std::int64_t now);
   bool acceptable(const Source& source, const chunk_t& chunk) const;
   void settle(Source& source);
   void forget_silent(std::int64_t now);
@@ -92,26 +93,27 @@ bool StreamConsumer::State::acceptable(const Source& source, const chunk_t& chun
   return chunk.seq < std::max(source.account.accept_below, source.stream.received() + buffer);
 }
 
-void StreamConsumer::State::take_data(Source& source, chunk_t&& chunk, std::int64_t now) {
-  if (source.stream.has(chunk.seq)) {
+void StreamConsumer::State::take_data(Source& source, const chunk_t& head, ByteView data,
+                                      std::int64_t now) {
+  if (source.stream.has(head.seq)) {
     ++counters.duplicates;
     source.ack_now = true;
     return;
   }
-  if (!acceptable(source, chunk)) {
+  if (!acceptable(source, head)) {
     ++counters.refused;
     return;
   }
   ++counters.chunks;
-  if (chunk.index + 1 < chunk.count) {  // Only a chunk that another follows is as large as can be.
-    source.account.chunk_bytes = std::max(source.account.chunk_bytes, chunk.data.size());
+  if (head.index + 1 < head.count) {  // Only a chunk that another follows is as large as can be.
+    source.account.chunk_bytes = std::max(source.account.chunk_bytes, data.size());
   }
-  if (chunk.seq > source.stream.highest()) source.ack_now = true;  // A gap, just now.
+  if (head.seq > source.stream.highest()) source.ack_now = true;  // A gap, just now.
   if (source.unacked++ == 0) source.unacked_since = now;
   source.gap_again_us = kGapAgainUs;
   const auto messages = ready.size();
   const auto held = source.stream.held_bytes();
-  const auto outcome = source.stream.take(std::move(chunk), config.max_message_bytes, ready);
+  const auto outcome = source.stream.take(head, data, config.max_message_bytes, ready);
   pieces_bytes = pieces_bytes - held + source.stream.held_bytes();
   for (auto i = messages; i < ready.size(); ++i) ready_bytes += ready[i].payload.size();
   counters.messages += ready.size() - messages;
@@ -129,29 +131,29 @@ StreamConsumer::StreamConsumer(std::int64_t incarnation, const ConsumerConfig& c
 StreamConsumer::~StreamConsumer() = default;
 
 void StreamConsumer::on_chunk(const chunk_t& chunk, std::int64_t now) {
-  on_chunk(chunk_t(chunk), now);
+  on_chunk(chunk, chunk.data, now);
 }
 
-void StreamConsumer::on_chunk(chunk_t&& chunk, std::int64_t now) {
+void StreamConsumer::on_chunk(const chunk_t& head, ByteView data, std::int64_t now) {
   auto& state = *state_;
-  if (state.config.client != 0 && !is_session_of(chunk.session, state.config.client)) return;
-  const bool sound = chunk.size >= 0 && static_cast<std::size_t>(chunk.size) == chunk.data.size() &&
-                     check_fields(chunk).has_value() && checksum(chunk) == chunk.crc;
-  auto* source = sound ? state.source_of(chunk) : nullptr;
+  if (state.config.client != 0 && !is_session_of(head.session, state.config.client)) return;
+  const bool sound = head.size >= 0 && static_cast<std::size_t>(head.size) == data.size() &&
+                     check_fields(head).has_value() && checksum(head, crc32c(data)) == head.crc;
+  auto* source = sound ? state.source_of(head) : nullptr;
   if (source == nullptr || source->stream.broken()) {
     ++state.counters.refused;
     return;
   }
   source->account.heard_at = now;
   const auto held = source->stream.held_bytes();
-  source->stream.skip_below(chunk.base);
+  source->stream.skip_below(head.base);
   state.pieces_bytes = state.pieces_bytes - held + source->stream.held_bytes();
-  source->stream.offered_below(chunk.offered);
-  if (chunk.count == 0) {
-    source->stream.seen_below(chunk.seq);
+  source->stream.offered_below(head.offered);
+  if (head.count == 0) {
+    source->stream.seen_below(head.seq);
     source->ack_now = true;
   } else {
-    state.take_data(*source, std::move(chunk), now);
+    state.take_data(*source, head, data, now);
   }
   state.settle(*source);
 }

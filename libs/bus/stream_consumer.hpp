@@ -48,7 +48,8 @@ class StreamConsumer {
   ~StreamConsumer();
 
   void on_chunk(const chunk_t& chunk, std::int64_t now);
-  void on_chunk(chunk_t&& chunk, std::int64_t now);  ///< Spares a copy of the data.
+  /// A chunk whose data lie elsewhere: copied once, into the message they are a piece of.
+  void on_chunk(const chunk_t& head, ByteView data, std::int64_t now);
 
   /// Messages complete and in order, as they came; they stay uncommitted.
   std::vector<StreamMessage> take();

@@ -1,4 +1,4 @@
-// How fast reliable streams are: over multicast with the default and the largest receive buffer,
+// How fast reliable streams are, beside LCM alone: over multicast with the default and the largest receive buffer,
 // with datagrams lost, with eight producers, with a slow consumer, and through the hub. Every
 // process is real: it forks its consumers, producers and hub.
 //
@@ -67,6 +67,32 @@ void one_to_one(const std::string& name, const std::string& url, std::int64_t me
   print(name, "ack_bytes_per_MB", static_cast<double>(sent.ack_bytes) / MB, "bytes");
 }
 
+template <class T>
+T& shared_with_children() {
+  auto* shared =
+      ::mmap(nullptr, sizeof(T), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+  if (shared == MAP_FAILED) give_up("no memory to share");
+  return *new (shared) T;  // Until the process ends.
+}
+
+/// The ceiling of all that follows: LCM alone, which loses what its reader does not fetch in time.
+void raw(const std::string& url, std::int64_t megabytes) {
+  auto& count = shared_with_children<RawCount>();
+  const auto consumer = in_child([&] { count_raw(url, count); });
+  while (!count.ready) ::usleep(1000);
+  const Load load{megabytes * 1'000'000 / std::int64_t{kSmallBytes}, kSmallBytes};
+  const auto sent = publish_raw(url, load);
+  const auto took = end_child(consumer);
+  const double MB = static_cast<double>(load.messages) * kSmallBytes / 1e6;
+  const double got_MB = static_cast<double>(count.bytes) / 1e6;
+  const double seconds = static_cast<double>(count.last_at - count.first_at) / 1e6;
+  print("udpm_raw", "sent_MBps", MB / sent.seconds, "MB/s");
+  print("udpm_raw", "received_MBps", got_MB / seconds, "MB/s");
+  print("udpm_raw", "lost", 100 * (1 - got_MB / MB), "%");
+  print("udpm_raw", "producer_cpu", 100 * sent.cpu_seconds / sent.seconds, "%");
+  print("udpm_raw", "consumer_cpu", 100 * took.cpu_seconds / sent.seconds, "%");
+}
+
 void run_nft(const std::string& arguments) {
   if (std::system(("nft " + arguments).c_str()) != 0) give_up("nft " + arguments + " failed");
 }
@@ -85,11 +111,7 @@ void one_to_one_at_drop(const std::string& url, std::int64_t megabytes) {
 void eight_to_one(const std::string& url, std::int64_t megabytes) {
   const auto consumer = in_child([&] { consume(url, 0); });
   const auto load = load_of(megabytes / kProducers);
-  using Results = std::array<Sent, kProducers>;
-  auto* shared =
-      ::mmap(nullptr, sizeof(Results), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-  if (shared == MAP_FAILED) give_up("no memory to share");
-  auto& sent = *new (shared) Results;
+  auto& sent = shared_with_children<std::array<Sent, kProducers>>();
   std::array<pid_t, kProducers> producers{};
   const auto start = steady_utime();
   for (std::size_t i = 0; i < kProducers; ++i) {
@@ -105,7 +127,6 @@ void eight_to_one(const std::string& url, std::int64_t megabytes) {
         kProducers * static_cast<double>(load.messages) * kMessageBytes / 1e6 / seconds, "MB/s");
   print("udpm_default_8", "fastest_to_slowest", fastest->seconds / slowest->seconds, "ratio");
   print("udpm_default_8", "chunks_resent", static_cast<double>(resent), "chunks");
-  ::munmap(shared, sizeof(Results));
 }
 
 /// A consumer that works 5 ms on each message sets the pace, and nobody's memory grows meanwhile.
@@ -136,6 +157,7 @@ void run(const Options& options) {
   const auto wanted = [&](const char* name) {
     return options.only.empty() || options.only == name;
   };
+  if (wanted("udpm_raw")) raw(options.url, options.megabytes);
   const auto with_default = options.url + kDefaultBuffer;
   if (wanted("udpm_default")) one_to_one("udpm_default", with_default, options.megabytes, 500);
   if (wanted("udpm_large")) {
@@ -159,7 +181,7 @@ int main(int argc, char** argv) {
   app.add_option("--megabytes", options.megabytes, "to send in each case")->capture_default_str();
   app.add_option("--only", options.only, "one case")
       ->check(CLI::IsMember(
-          {"udpm_default", "udpm_large", "udpm_drop5", "udpm_8", "udpm_slow", "hub"}));
+          {"udpm_raw", "udpm_default", "udpm_large", "udpm_drop5", "udpm_8", "udpm_slow", "hub"}));
   CLI11_PARSE(app, argc, argv);
   voxatlas::bench::run(options);
   return 0;

@@ -17,6 +17,7 @@ namespace voxatlas::bench {
 namespace {
 
 const Endpoint kConsumer{EndpointClass::kStore, 99};
+constexpr const char* kRawChannel = "VOXATLAS_BENCH_RAW";
 constexpr std::size_t kMostHeld = std::size_t{16} << 20;
 
 double cpu_seconds(const rusage& usage) {
@@ -89,6 +90,37 @@ Sent produce(const std::string& url, const Load& load) {
   sent.chunks_resent = producer.counters().chunks_resent;
   sent.ack_bytes = bus->counters().received_bytes;
   return sent;
+}
+
+Sent publish_raw(const std::string& url, const Load& load) {
+  auto bus = must(Bus::create(must(url_at_port(url, kConsumer.port_offset()))));
+  const Bytes chunk(load.message_bytes, 0x5a);
+  Sent sent;
+  const auto start = steady_utime();
+  const auto cpu = own_cpu_seconds();
+  for (std::int64_t i = 0; i < load.messages; ++i) {
+    if (auto ok = bus->publish_bytes(kRawChannel, chunk); !ok) give_up(ok.error().message);
+  }
+  sent.seconds = static_cast<double>(steady_utime() - start) / 1e6;
+  sent.cpu_seconds = own_cpu_seconds() - cpu;
+  return sent;
+}
+
+void count_raw(const std::string& url, RawCount& count) {
+  auto bus = must(Bus::create(must(url_at_port(url, kConsumer.port_offset()))));
+  bus->subscribe_bytes(kRawChannel, [&](ByteView bytes) -> Status {
+    const auto now = steady_utime();
+    if (count.bytes == 0) count.first_at = now;
+    count.last_at = now;
+    count.bytes += static_cast<std::int64_t>(bytes.size());
+    return {};
+  });
+  count.ready = true;
+  ServiceLoop loop;
+  loop.buses = {bus.get()};
+  loop.work = [](std::int64_t now) -> Result<std::int64_t> { return now + 500'000; };
+  if (auto ended = loop.run(); !ended) give_up(ended.error().message);
+  std::_Exit(0);
 }
 
 std::size_t consumers_buffer(const std::string& url) {

@@ -3,6 +3,7 @@
 #include <sys/types.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cstdint>
 #include <cstdlib>
 #include <string>
@@ -52,6 +53,16 @@ struct Load {
 
 /// Sends a load to whoever consume()s on this bus.
 Sent produce(const std::string& url, const Load& load);
+/// LCM alone, without acknowledgements: publishes the chunks of a load as fast as it can, and may
+/// lose any of them.
+Sent publish_raw(const std::string& url, const Load& load);
+/// Takes publish_raw()'s chunks for ever and counts them; in memory shared by both.
+struct RawCount {
+  std::atomic<bool> ready = false;
+  std::atomic<std::int64_t> bytes = 0;
+  std::atomic<std::int64_t> first_at = 0, last_at = 0;  ///< Steady microseconds.
+};
+[[noreturn]] void count_raw(const std::string& url, RawCount& count);
 /// The receive buffer that consume() is granted there, as the kernel counts it.
 std::size_t consumers_buffer(const std::string& url);
 /// Takes messages for ever and commits each after `work_us` of work.

@@ -13,29 +13,6 @@ Bytes random_bytes(std::mt19937_64& rng, std::size_t count) {
   return bytes;
 }
 
-TEST_CASE("a chunk whose data stands apart is encoded as the generated code does it",
-          "[bus][oracle]") {
-  auto rng = test::engine();
-  INFO("VOX_SEED=" << test::seed());
-  Bytes encoded;
-  for (const std::size_t size : {59'000, 0, 1, 255, 256, 1'300}) {
-    const auto data = random_bytes(rng, size);
-    chunk_t head{};
-    for (auto* field : {&head.session, &head.seq, &head.base, &head.offered, &head.message}) {
-      *field = static_cast<std::int64_t>(rng());
-    }
-    for (auto* field : {&head.index, &head.count, &head.crc}) {
-      *field = static_cast<std::int32_t>(rng());
-    }
-    head.kind = static_cast<std::int16_t>(rng());
-    head.size = static_cast<std::int32_t>(size);
-    encode_chunk(head, data, encoded);
-    chunk_t whole = head;
-    whole.data = data;
-    REQUIRE(encoded == encode_message(whole));
-  }
-}
-
 TEST_CASE("a queue holds messages until all their chunks are committed", "[bus]") {
   auto rng = test::engine();
   INFO("VOX_SEED=" << test::seed());
