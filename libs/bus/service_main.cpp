@@ -1,5 +1,7 @@
 #include "bus/service_main.hpp"
 
+#include <malloc.h>
+
 #include <exception>
 
 #include "base/log.hpp"
@@ -7,8 +9,14 @@
 
 namespace voxatlas {
 
+void keep_freed_memory() {
+  ::mallopt(M_MMAP_THRESHOLD, 32 << 20);
+  ::mallopt(M_TRIM_THRESHOLD, 64 << 20);
+}
+
 int run_service(const std::string& log_name, const std::function<Status()>& serve) {
   set_log_name(log_name);
+  keep_freed_memory();
   stop_on_signals();
   try {
     const auto served = serve();
