@@ -1,6 +1,6 @@
-// How fast reliable streams are, beside LCM alone: over multicast with the default and the largest receive buffer,
-// with datagrams lost, with eight producers, with a slow consumer, and through the hub. Every
-// process is real: it forks its consumers, producers and hub.
+// How fast reliable streams are, beside LCM alone: over multicast with the default and the largest
+// receive buffer, with datagrams lost, with eight producers, with a slow consumer, and through the
+// hub. Every process is real: it forks its consumers, producers and hub.
 //
 // Prints lines "name value unit". Multicast must work where it runs, and nftables to lose datagrams
 // (scripts/bench sees to that).
@@ -14,6 +14,7 @@
 
 #include "base/utime.hpp"
 #include "bus/bus_url.hpp"
+#include "bus/service_main.hpp"
 #include "bus_ends.hpp"
 #include "hub/hub_server.hpp"
 
@@ -183,6 +184,7 @@ int main(int argc, char** argv) {
       ->check(CLI::IsMember(
           {"udpm_raw", "udpm_default", "udpm_large", "udpm_drop5", "udpm_8", "udpm_slow", "hub"}));
   CLI11_PARSE(app, argc, argv);
+  voxatlas::keep_freed_memory();  // As every service does.
   voxatlas::bench::run(options);
   return 0;
 }
