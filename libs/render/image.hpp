@@ -10,6 +10,8 @@
 
 namespace voxatlas {
 
+class Workers;
+
 /// A picture: eight bits a channel, row by row from the upper left.
 struct Image {
   int width = 0;
@@ -49,8 +51,9 @@ struct Jpeg {
 Result<Image> decode_jpeg(ByteView bytes);
 
 /// A JPEG of at most `max_bytes`: at `quality` if that fits, else at a lower one, which the result
-/// states. Errors: kOutOfRange where it does not fit even at quality 1; kIo where TurboJPEG
-/// refuses.
-Result<Jpeg> encode_jpeg(const Image& image, int quality, std::size_t max_bytes);
+/// states. With `workers` on all of them, to the same bytes. Errors: kOutOfRange where it does not
+/// fit even at quality 1; kIo where TurboJPEG refuses.
+Result<Jpeg> encode_jpeg(const Image& image, int quality, std::size_t max_bytes,
+                         Workers* workers = nullptr);
 
 }  // namespace voxatlas

@@ -68,6 +68,8 @@ class Painter {
   Status paint(const Camera& camera, const Grid& grid, std::span<const PlacedTree> trees,
                const PaintOptions& options, Painting& painting);
 
+  Workers& workers() { return splatter_.workers(); }  ///< For encoding, between pictures.
+
  private:
   Status draw(const Camera& camera, const Grid& grid, std::span<const PlacedTree> trees,
               const PaintOptions& options, Painting& painting);

@@ -64,9 +64,9 @@ Status PaintRoom::paint(PaintJob& job, PaintedPicture& picture) {
 }
 
 Status PaintRoom::encode(const Image& image, const EncodeOptions& options,
-                         PaintedPicture& picture) const {
+                         PaintedPicture& picture) {
   if (options.format == PictureFormat::kJpeg) {
-    auto jpeg = encode_jpeg(image, options.jpeg_quality, options.most_bytes);
+    auto jpeg = encode_jpeg(image, options.jpeg_quality, options.most_bytes, &painter_.workers());
     if (!jpeg) return pass_on(jpeg);
     picture.quality = jpeg->quality;
     picture.data = std::move(jpeg->bytes);

@@ -68,7 +68,7 @@ class PaintRoom {
 
  private:
   Status paint(PaintJob& job, PaintedPicture& picture);
-  Status encode(const Image& image, const EncodeOptions& options, PaintedPicture& picture) const;
+  Status encode(const Image& image, const EncodeOptions& options, PaintedPicture& picture);
   Status encode_depth(const Camera& camera, const EncodeOptions& options,
                       PaintedPicture& picture) const;
 

@@ -163,7 +163,7 @@ void SplatBench::splat(Splatter& splatter, const Camera& camera, const SplatOpti
 
 void SplatBench::jpeg_of(const View& view) {
   or_throw(painter_.paint(view.camera, grid_, placed_, {}, painting_));
-  or_throw(encode_jpeg(painting_.image, kQuality, kJpegBytes));
+  or_throw(encode_jpeg(painting_.image, kQuality, kJpegBytes, &painter_.workers()));
 }
 
 }  // namespace voxatlas::bench

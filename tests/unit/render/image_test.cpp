@@ -5,6 +5,7 @@
 #include <catch2/catch.hpp>
 #include <random>
 
+#include "render/workers.hpp"
 #include "support/engine.hpp"
 
 namespace voxatlas {
@@ -88,6 +89,34 @@ TEST_CASE("a JPEG looks like its picture", "[image][oracle]") {
     sum += std::abs(image.pixels[i].g - back.pixels[i].g);
   }
   REQUIRE(sum / static_cast<double>(image.pixels.size()) < 3);
+}
+
+/// Oracle: TurboJPEG's own encoder, in a piece.
+Bytes encoded_by_turbojpeg(const Image& image, int quality) {
+  tjhandle handle = tjInitCompress();
+  unsigned char* buffer = nullptr;
+  unsigned long size = 0;
+  REQUIRE(tjCompress2(handle, reinterpret_cast<const unsigned char*>(image.pixels.data()),
+                      image.width, 3 * image.width, image.height, TJPF_RGB, &buffer, &size,
+                      TJSAMP_420, quality, TJFLAG_FASTDCT) == 0);
+  Bytes bytes(buffer, buffer + size);
+  tjFree(buffer);
+  tjDestroy(handle);
+  return bytes;
+}
+
+TEST_CASE("a JPEG encoded in parts has the pixels of one encoded in a piece", "[image][oracle]") {
+  Workers workers(3);
+  for (const auto& [w, h] : {std::pair{1, 1}, {16, 16}, {17, 129}, {640, 360}, {35, 721}}) {
+    CAPTURE(w, h);
+    const Image image = noise(w, h);
+    const auto jpeg = encode_jpeg(image, 70, 100'000'000, &workers);
+    REQUIRE(jpeg.has_value());
+    REQUIRE(jpeg->bytes == encode_jpeg(image, 70, 100'000'000)->bytes);
+    REQUIRE(decode_jpeg(jpeg->bytes).value() ==
+            decoded_by_turbojpeg(encoded_by_turbojpeg(image, 70)));
+  }
+  REQUIRE_FALSE(encode_jpeg(Image(), 70, 1000, &workers).has_value());
 }
 
 TEST_CASE("what is no JPEG is refused, whatever is broken", "[image]") {
