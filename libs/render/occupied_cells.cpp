@@ -7,47 +7,110 @@
 namespace voxatlas {
 namespace {
 
-/// Sums over the set bits of a row of five, at -2 .. 2.
-struct RowSums {
+/// Three sums in one number: one addition adds all three.
+struct Packed {
+  static constexpr std::int64_t of(int count, int x, int xx) {
+    return count + x * (std::int64_t{1} << 16) + xx * (std::int64_t{1} << 32);
+  }
+  explicit Packed(std::int64_t sums)
+      : count(static_cast<std::int16_t>(sums)),
+        x(static_cast<std::int16_t>((sums - count) >> 16)),
+        xx(static_cast<int>((sums - count - x * (std::int64_t{1} << 16)) >> 32)) {}
   int count, x, xx;
 };
 
-constexpr std::array<RowSums, 32> kRowSums = [] {
-  std::array<RowSums, 32> table{};
+/// Of the set bits of a row of five, at -2 .. 2.
+constexpr std::array<std::int64_t, 32> kRowSums = [] {
+  std::array<std::int64_t, 32> table{};
   for (unsigned row = 0; row < 32; ++row) {
     for (int bit = 0; bit < 5; ++bit) {
-      if ((row >> bit & 1u) == 0) continue;
       const int x = bit - 2;
-      table[row].count += 1;
-      table[row].x += x;
-      table[row].xx += x * x;
+      if ((row >> bit & 1u) != 0) table[row] += Packed::of(1, x, x * x);
     }
   }
   return table;
 }();
 
-/// The axis along which a cloud of points spreads least. Its spread's adjugate has the same axes,
-/// and there that one is the longest by far where the points lie in a plane: squaring leaves little
+/// Of five numbers that belong to -2 .. 2: their sum, and those of them times the first and the
+/// second power of that.
+struct Moments {
+  std::int64_t zeroth, first, second;
+  explicit Moments(const std::array<std::int64_t, 5>& at) {
+    const std::int64_t outer = at[0] + at[4], inner = at[1] + at[3];
+    zeroth = outer + inner + at[2];
+    first = 2 * (at[4] - at[0]) + at[3] - at[1];
+    second = 4 * outer + inner;
+  }
+};
+
+using Lanes = std::array<float, OccupiedCells::kAtOnce>;
+
+/// Symmetric matrices, a lane each.
+struct Symmetric {
+  Lanes xx{}, xy{}, xz{}, yy{}, yz{}, zz{};
+};
+
+Eigen::Matrix3f lane_of(const Symmetric& m, std::size_t i) {
+  Eigen::Matrix3f lane;
+  lane << m.xx[i], m.xy[i], m.xz[i], m.xy[i], m.yy[i], m.yz[i], m.xz[i], m.yz[i], m.zz[i];
+  return lane;
+}
+
+/// Divided by their traces and squared: one loop over the lanes, which compilers make SIMD of.
+Symmetric squared(const Symmetric& m) {
+  Symmetric square;
+  for (std::size_t i = 0; i < OccupiedCells::kAtOnce; ++i) {
+    const float scale = 1 / (m.xx[i] + m.yy[i] + m.zz[i]);
+    const float xx = m.xx[i] * scale, xy = m.xy[i] * scale, xz = m.xz[i] * scale;
+    const float yy = m.yy[i] * scale, yz = m.yz[i] * scale, zz = m.zz[i] * scale;
+    square.xx[i] = xx * xx + xy * xy + xz * xz;
+    square.xy[i] = xx * xy + xy * yy + xz * yz;
+    square.xz[i] = xx * xz + xy * yz + xz * zz;
+    square.yy[i] = xy * xy + yy * yy + yz * yz;
+    square.yz[i] = xy * xz + yy * yz + yz * zz;
+    square.zz[i] = xz * xz + yz * yz + zz * zz;
+  }
+  return square;
+}
+
+Symmetric adjugate_of(const Symmetric& m) {
+  Symmetric adjugate;
+  for (std::size_t i = 0; i < OccupiedCells::kAtOnce; ++i) {
+    adjugate.xx[i] = m.yy[i] * m.zz[i] - m.yz[i] * m.yz[i];
+    adjugate.xy[i] = m.xz[i] * m.yz[i] - m.xy[i] * m.zz[i];
+    adjugate.xz[i] = m.xy[i] * m.yz[i] - m.xz[i] * m.yy[i];
+    adjugate.yy[i] = m.xx[i] * m.zz[i] - m.xz[i] * m.xz[i];
+    adjugate.yz[i] = m.xy[i] * m.xz[i] - m.xx[i] * m.yz[i];
+    adjugate.zz[i] = m.xx[i] * m.yy[i] - m.xy[i] * m.xy[i];
+  }
+  return adjugate;
+}
+
+/// The axes along which clouds of points spread least. A spread's adjugate has the same axes, and
+/// there that one is the longest by far where the points lie in a plane: squaring leaves little
 /// else. Points on a line have none: then whatever is across it.
-Eigen::Vector3f thinnest_axis(const Eigen::Matrix3f& spread) {
-  const Eigen::Vector3f a = spread.col(0), b = spread.col(1), c = spread.col(2);
-  Eigen::Matrix3f adjugate;
-  adjugate << b.cross(c), c.cross(a), a.cross(b);
+std::array<Eigen::Vector3f, OccupiedCells::kAtOnce> thinnest_axes(
+    const Symmetric& spreads, const std::array<bool, OccupiedCells::kAtOnce>& wanted) {
   constexpr float kOnALine = 1e-3f;
   constexpr int kSquarings = 6;
-  for (int i = 0; i < kSquarings; ++i) {
-    const float trace = adjugate.trace();
-    if (!(trace > kOnALine)) {
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f> axes;  // Ascending.
-      axes.computeDirect(spread);
-      return axes.eigenvectors().col(0);
+  const Symmetric adjugates = adjugate_of(spreads);
+  Symmetric powers = adjugates;
+  for (int i = 0; i < kSquarings; ++i) powers = squared(powers);
+  std::array<Eigen::Vector3f, OccupiedCells::kAtOnce> axes;
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    if (!wanted[i]) continue;
+    if (!(adjugates.xx[i] + adjugates.yy[i] + adjugates.zz[i] > kOnALine)) {
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f> solver;  // Ascending.
+      solver.computeDirect(lane_of(spreads, i));
+      axes[i] = solver.eigenvectors().col(0);
+      continue;
     }
-    adjugate /= trace;
-    adjugate = (adjugate * adjugate).eval();
+    const Eigen::Matrix3f power = lane_of(powers, i);
+    Eigen::Index longest = 0;
+    power.diagonal().maxCoeff(&longest);
+    axes[i] = power.col(longest).normalized();
   }
-  Eigen::Index longest = 0;
-  adjugate.diagonal().maxCoeff(&longest);
-  return adjugate.col(longest).normalized();
+  return axes;
 }
 
 }  // namespace
@@ -114,46 +177,60 @@ bool OccupiedCells::layer_full(const Place& cell, int axis, int layer) const {
   return true;
 }
 
-unsigned OccupiedCells::row_of_five(int x, int y, int z) const {
-  const auto bit = static_cast<std::size_t>(x - 2 + kMargin);
-  const std::uint64_t* words = bits_.data() + row(y, z) + bit / 64;
-  std::uint64_t bits = words[0] >> bit % 64;
-  if (bit % 64 > 59) bits |= words[1] << (64 - bit % 64);
-  return static_cast<unsigned>(bits & 0x1f);
+OccupiedCells::Sums OccupiedCells::sums_around(const Eigen::Vector3i& at) const {
+  const auto bit = static_cast<std::size_t>(at.x() - 2 + kMargin);
+  const std::size_t shift = bit % 64;
+  const std::size_t layer = words_ * static_cast<std::size_t>(edge_ + 2 * kMargin);
+  const std::uint64_t* first = bits_.data() + row(at.y() - 2, at.z() - 2) + bit / 64;
+  std::array<std::int64_t, 5> all, by_y, by_yy;
+  for (std::size_t z = 0; z < 5; ++z) {
+    std::array<std::int64_t, 5> rows;
+    for (std::size_t y = 0; y < 5; ++y) {
+      const std::uint64_t* words = first + z * layer + y * words_;
+      std::uint64_t five = words[0] >> shift;
+      if (shift > 59) five |= words[1] << (64 - shift);
+      rows[y] = kRowSums[five & 0x1f];
+    }
+    const Moments moments(rows);
+    all[z] = moments.zeroth;
+    by_y[z] = moments.first;
+    by_yy[z] = moments.second;
+  }
+  const Moments z(all), yz(by_y), yy(by_yy);
+  const Packed sum(z.zeroth), y(yz.zeroth), by_z(z.first);
+  return {sum.count,
+          {sum.x, y.count, by_z.count},
+          {sum.xx, y.x, by_z.x, Packed(yy.zeroth).count, Packed(yz.first).count,
+           Packed(z.second).count}};
 }
 
 Eigen::Vector3f OccupiedCells::normal(CellKey cell) const {
   const Place at = place(cell);
-  return at.size == 1 ? normal(at.min) : Eigen::Vector3f::Zero();
+  Eigen::Vector3f found = Eigen::Vector3f::Zero();
+  if (at.size == 1) normals({&at.min, 1}, &found);
+  return found;
 }
 
-Eigen::Vector3f OccupiedCells::normal(const Eigen::Vector3i& at) const {
-  int count = 0, x = 0, y = 0, z = 0, xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
-  for (int dz = -2; dz <= 2; ++dz) {
-    int layer = 0, layer_x = 0, layer_y = 0;
-    for (int dy = -2; dy <= 2; ++dy) {
-      const RowSums row = kRowSums[row_of_five(at.x(), at.y() + dy, at.z() + dz)];
-      layer += row.count;
-      layer_x += row.x;
-      layer_y += row.count * dy;
-      xx += row.xx;
-      xy += row.x * dy;
-      yy += row.count * dy * dy;
-    }
-    count += layer;
-    x += layer_x;
-    y += layer_y;
-    z += layer * dz;
-    xz += layer_x * dz;
-    yz += layer_y * dz;
-    zz += layer * dz * dz;
+void OccupiedCells::normals(std::span<const Eigen::Vector3i> at, Eigen::Vector3f* found) const {
+  std::array<bool, kAtOnce> enough{};
+  Symmetric spreads;
+  for (std::size_t i = 0; i < at.size(); ++i) {
+    const Sums sums = sums_around(at[i]);
+    enough[i] = sums.count >= kFewest;
+    const auto n = static_cast<float>(sums.count);
+    const auto mean = [&](int sum) { return static_cast<float>(sum) / n; };
+    const float x = mean(sums.first[0]), y = mean(sums.first[1]), z = mean(sums.first[2]);
+    spreads.xx[i] = mean(sums.second[0]) - x * x;
+    spreads.xy[i] = mean(sums.second[1]) - x * y;
+    spreads.xz[i] = mean(sums.second[2]) - x * z;
+    spreads.yy[i] = mean(sums.second[3]) - y * y;
+    spreads.yz[i] = mean(sums.second[4]) - y * z;
+    spreads.zz[i] = mean(sums.second[5]) - z * z;
   }
-  if (count < kFewest) return Eigen::Vector3f::Zero();
-  Eigen::Matrix3i products;
-  products << xx, xy, xz, xy, yy, yz, xz, yz, zz;
-  const auto n = static_cast<float>(count);
-  const Eigen::Vector3f mean = Eigen::Vector3i(x, y, z).cast<float>() / n;
-  return thinnest_axis(products.cast<float>() / n - mean * mean.transpose());
+  const auto axes = thinnest_axes(spreads, enough);
+  for (std::size_t i = 0; i < at.size(); ++i) {
+    found[i] = enough[i] ? axes[i] : Eigen::Vector3f::Zero();
+  }
 }
 
 }  // namespace voxatlas

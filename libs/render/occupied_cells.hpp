@@ -1,8 +1,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "grid/cell_key.hpp"
@@ -32,10 +34,12 @@ class OccupiedCells {
   /// True where every cell that touches a face of `cell` is occupied.
   bool surround(CellKey cell) const;
 
-  /// The normal of the plane that fits the 5 x 5 x 5 cells around one of the tile's own best, of
-  /// length 1, either way round; zero where fewer than kFewest of those are occupied.
-  Eigen::Vector3f normal(const Eigen::Vector3i& at) const;
-  /// The same; zero for coarser leaves.
+  /// Of at most kAtOnce cells, each one of the tile's own: the normal of the plane that fits the
+  /// 5 x 5 x 5 cells around it best, of length 1, either way round; zero where fewer than kFewest
+  /// of those are occupied. The same bits whichever cells are asked for together.
+  void normals(std::span<const Eigen::Vector3i> at, Eigen::Vector3f* found) const;
+  static constexpr std::size_t kAtOnce = 8;
+  /// Of one; zero for coarser leaves.
   Eigen::Vector3f normal(CellKey cell) const;
 
  private:
@@ -57,8 +61,14 @@ class OccupiedCells {
   }
   /// The square of cells beside a face: `layer` on `axis`, the cell's own extent on the others.
   bool layer_full(const Place& cell, int axis, int layer) const;
-  /// The five cells (x - 2 .. x + 2, y, z), lowest bit first.
-  unsigned row_of_five(int x, int y, int z) const;
+  /// Over the occupied of the 5 x 5 x 5 cells around one, at -2 .. 2: how many, x, y and z, and
+  /// their products xx, xy, xz, yy, yz, zz.
+  struct Sums {
+    int count;
+    std::array<int, 3> first;
+    std::array<int, 6> second;
+  };
+  Sums sums_around(const Eigen::Vector3i& at) const;
 
   int shift_;
   int edge_;

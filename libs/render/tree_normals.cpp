@@ -1,5 +1,6 @@
 #include "render/tree_normals.hpp"
 
+#include <array>
 #include <vector>
 
 #include "render/occupied_cells.hpp"
@@ -46,17 +47,45 @@ bool near_a_face(const Eigen::Vector3i& at, int depth) {
   return (at.array() < kMargin).any() || (at.array() >= (1 << depth) - kMargin).any();
 }
 
+/// Nodes of a depth, until there are enough to find their normals at once.
+class Waiting {
+ public:
+  void add(const WalkedNode& node) {
+    nodes_[count_] = node.node;
+    at_[count_++] = node.at;
+  }
+  bool full() const { return count_ == kMost; }
+
+  void find(const OccupiedCells& cells,
+            const std::function<void(std::uint32_t, const Eigen::Vector3f&)>& set) {
+    std::array<Eigen::Vector3f, kMost> normals;
+    cells.normals({at_.data(), count_}, normals.data());
+    for (std::size_t i = 0; i < count_; ++i) set(nodes_[i], normals[i]);
+    count_ = 0;
+  }
+
+ private:
+  static constexpr std::size_t kMost = OccupiedCells::kAtOnce;
+  std::size_t count_ = 0;
+  std::array<std::uint32_t, kMost> nodes_{};
+  std::array<Eigen::Vector3i, kMost> at_;
+};
+
 }  // namespace
 
 void find_normals(const TreesAround& around, Normals which,
                   const std::function<void(std::uint32_t, const Eigen::Vector3f&)>& set) {
   const auto cells = occupied_around(around);
+  std::array<Waiting, kDepth + 1> waiting;
   walk_tree(around.middle(), Eigen::Vector3i::Zero(), [&](const WalkedNode& node) {
     if (which == Normals::kAll || near_a_face(node.at, node.depth)) {
-      set(node.node, cells[static_cast<std::size_t>(node.depth)].normal(node.at));
+      const auto depth = static_cast<std::size_t>(node.depth);
+      waiting[depth].add(node);
+      if (waiting[depth].full()) waiting[depth].find(cells[depth], set);
     }
     return true;
   });
+  for (std::size_t depth = 0; depth < cells.size(); ++depth) waiting[depth].find(cells[depth], set);
 }
 
 }  // namespace voxatlas
