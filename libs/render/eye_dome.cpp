@@ -11,8 +11,18 @@ namespace {
 constexpr float kStrength = 12;
 constexpr float kMostOfOnePair = 0.04f;  // So that one near leaf does not blacken its surroundings.
 constexpr std::array kReach = {1, 4};    // Pixels.
+constexpr std::array<EyeDome::Step, 4> kPairs = {{{1, 0}, {0, 1}, {1, 1}, {1, -1}}};
+constexpr float kMostShade = kMostOfOnePair * kPairs.size() * kReach.size();
+constexpr float kStepsPerShade = EyeDome::kSteps / kMostShade;
 
 }  // namespace
+
+EyeDome::EyeDome(const CellImage& image, float roughness) : image_(image), roughness_(roughness) {
+  for (std::size_t i = 0; i < by_shade_.size(); ++i) {
+    by_shade_[i] =
+        std::max(kDarkest, std::exp(-kStrength / kStepsPerShade * static_cast<float>(i)));
+  }
+}
 
 /// Adds to `shade` how far each pixel of row y lies behind the mean of two opposite neighbours,
 /// as a part of its depth. Sky, and pixels whose pair leaves the picture, get nothing.
@@ -31,7 +41,6 @@ void EyeDome::add_pair(int y, Step step, const float* inverse, float* shade) con
 }
 
 void EyeDome::light(int first, int last, Band& band) const {
-  constexpr std::array<Step, 4> kPairs = {{{1, 0}, {0, 1}, {1, 1}, {1, -1}}};
   const int above = std::max(0, first - kReach.back());
   const int below = std::min(image_.height, last + kReach.back());
   band.first_ = first;
@@ -51,10 +60,9 @@ void EyeDome::light(int first, int last, Band& band) const {
     }
     const float* z = image_.z.data() + image_.index(0, y);
     for (std::size_t x = 0; x < band.width_; ++x) {
-      // Most of a picture lies behind nothing.
-      light[x] = light[x] == 0 || z[x] == CellImage::kNowhere
+      light[x] = z[x] == CellImage::kNowhere
                      ? 1.0f
-                     : std::max(kDarkest, std::exp(-kStrength * light[x]));
+                     : by_shade_[static_cast<std::size_t>(light[x] * kStepsPerShade + 0.5f)];
     }
   }
 }

@@ -23,7 +23,12 @@ std::vector<float> eye_dome_light(const CellImage& image, float roughness);
 /// Ownership: borrows the image. Threads: light() from any number of threads, a band each.
 class EyeDome {
  public:
-  EyeDome(const CellImage& image, float roughness) : image_(image), roughness_(roughness) {}
+  EyeDome(const CellImage& image, float roughness);
+
+  static constexpr int kSteps = 2000;  ///< Of light, so that a pixel costs a look.
+  struct Step {
+    int dx, dy;
+  };
 
   /// Rows first .. last - 1, and what they are reckoned from: kept between bands for its memory.
   class Band {
@@ -42,14 +47,12 @@ class EyeDome {
   void light(int first, int last, Band& band) const;
 
  private:
-  struct Step {
-    int dx, dy;
-  };
   /// `inverse`: of the row's first pixel.
   void add_pair(int y, Step step, const float* inverse, float* shade) const;
 
   const CellImage& image_;
   float roughness_;
+  std::array<float, kSteps + 2> by_shade_{};  // One more: a sum of shades is rounded.
 };
 
 /// Closes gaps between splats: a pixel that at least six of its eight neighbours stand well before

@@ -58,7 +58,7 @@ class TreeShader {
   /// What a thread keeps between bands.
   struct Scratch {
     EyeDome::Band light;
-    TreeNumbers::Found found{};  // Neighbours often show the same tree.
+    TreeNumbers::Run near;  // Neighbours often show the same tree.
   };
 
   void band(int first, int last, Scratch& scratch, Image& image) const {
@@ -70,30 +70,25 @@ class TreeShader {
 
  private:
   static constexpr int kRun = 128;  // Pixels.
-  struct Shown {
-    const CellPaint* paint;
-    TreeNumbers::Found found;
-  };
-
-  using Run = std::array<Shown, kRun>;
+  using Run = std::array<const CellPaint*, kRun>;
 
   /// The paints lie all over memory: they are called for first, and wait for one another least so.
-  void look_up(int first, int last, int y, TreeNumbers::Found& found, Run& shown) const {
-    for (int x = first; x < last; ++x) {
-      const std::uint32_t number = cells_.cell[cells_.index(x, y)];
+  void look_up(int first, int last, int y, TreeNumbers::Run& near, Run& shown) const {
+    const std::uint32_t* cells = cells_.cell.data() + cells_.index(first, y);
+    for (int i = 0; i < last - first; ++i) {
+      const std::uint32_t number = cells[i];
       if (number == CellImage::kNone) continue;
-      if (!numbers_.holds(found, number)) found = numbers_.find(number);
-      found.node = number - numbers_.first_of(found.tree);
-      Shown& pixel = shown[static_cast<std::size_t>(x - first)];
-      pixel = {&numbers_.paint(found), found};
-      __builtin_prefetch(pixel.paint);
+      if (number - near.first >= near.count) near = numbers_.run_of(number);
+      const CellPaint* paint = near.paints + (number - near.first);
+      shown[static_cast<std::size_t>(i)] = paint;
+      __builtin_prefetch(paint);
     }
   }
 
   void run(int first, int y, Scratch& scratch, Image& image) const {
     const int last = std::min(cells_.width, first + kRun);
-    Run shown;
-    look_up(first, last, y, scratch.found, shown);
+    Run shown{};
+    look_up(first, last, y, scratch.near, shown);
     const auto light = scratch.light.row(y);
     const AlongRow sights = along(y, [&](double px, double py) { return camera_.ray(px, py); });
     const AlongRow starts =
@@ -103,17 +98,19 @@ class TreeShader {
     for (int x = first; x < last; ++x) {
       const std::size_t at = cells_.index(x, y);
       const std::uint32_t number = cells_.cell[at];
-      const Eigen::Vector3f sight = sights.at(x);
       if (number == CellImage::kNone) {
+        const Eigen::Vector3f sight = sights.at(x);
         image.at(x, y) = sky_.at(sight.dot(up_) / sight.norm());
         continue;
       }
       if (number != shaded) {
+        const Eigen::Vector3f sight = sights.at(x);
         const float height = (starts.at(x) + cells_.z[at] * sight).dot(up_);
-        colour = colour_of(shown[static_cast<std::size_t>(x - first)], sight, height);
+        colour = colour_of(*shown[static_cast<std::size_t>(x - first)], number, sight, height);
       }
       shaded = number;
-      image.at(x, y) = lit(colour, light[static_cast<std::size_t>(x)]);
+      const float dome = light[static_cast<std::size_t>(x)];
+      image.at(x, y) = dome == 1 ? colour : lit(colour, dome);
     }
   }
 
@@ -125,10 +122,11 @@ class TreeShader {
     return {first.cast<float>(), (second - first).cast<float>()};
   }
 
-  Rgb colour_of(const Shown& shown, const Eigen::Vector3f& sight, float height) const {
-    const Eigen::Vector3f& normal = normals_[shown.paint->normal_index()];
+  Rgb colour_of(const CellPaint& paint, std::uint32_t number, const Eigen::Vector3f& sight,
+                float height) const {
+    const Eigen::Vector3f& normal = normals_[paint.normal_index()];
     if (colouring_ == Colouring::kNormal) return normal_colour(normal, sight);
-    return lit(own(shown, static_cast<double>(height)), sun_.on(normal, sight));
+    return lit(own(paint, number, static_cast<double>(height)), sun_.on(normal, sight));
   }
   /// The side that is seen.
   Rgb normal_colour(Eigen::Vector3f normal, const Eigen::Vector3f& sight) const {
@@ -140,12 +138,12 @@ class TreeShader {
     return {level(normal.dot(east_)), level(normal.dot(up_.cross(east_))), level(normal.dot(up_))};
   }
   /// `height`: above the camera, metres.
-  Rgb own(const Shown& shown, double height) const {
-    const CellPaint& paint = *shown.paint;
+  Rgb own(const CellPaint& paint, std::uint32_t number, double height) const {
     if (colouring_ == Colouring::kProbability) {
       return ramp_colour(2 * to_probability(paint.log_odds()) - 1);
     }
-    if (colouring_ == Colouring::kLeafDepth) return depth_colour(numbers_.depth(shown.found));
+    if (colouring_ == Colouring::kLeafDepth)
+      return depth_colour(numbers_.depth(numbers_.find(number)));
     if (colouring_ == Colouring::kEllipsoid) return ellipsoid_colour(height_ + height);
     if (colouring_ == Colouring::kRgb && paint.coloured()) return paint.rgb();
     return by_height_.at(height - ground_);

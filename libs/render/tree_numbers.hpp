@@ -30,10 +30,16 @@ class TreeNumbers {
   };
   /// `number` is 1 .. count().
   Found find(std::uint32_t number) const;
-  /// True where a number is of the same tree as what was found before.
-  bool holds(const Found& found, std::uint32_t number) const {
-    const std::uint32_t first = first_[found.tree];
-    return number >= first && number - first < trees_[found.tree].tree->node_count();
+  /// A tree's nodes: number `first` + i has the paint paints[i].
+  struct Run {
+    std::uint32_t first = 0, count = 0;
+    const CellPaint* paints = nullptr;
+  };
+  /// Of the tree that a number, 1 .. count(), is of.
+  Run run_of(std::uint32_t number) const {
+    const Found found = find(number);
+    const RenderTree& tree = *trees_[found.tree].tree;
+    return {number - found.node, tree.node_count(), &tree.paint(0)};
   }
   std::uint32_t first_of(std::size_t tree) const { return first_[tree]; }
   std::uint64_t count() const { return count_; }
