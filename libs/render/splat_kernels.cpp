@@ -10,38 +10,11 @@
 #include <cmath>
 
 #include "render/splat_kernels.hpp"
+#include "render/splat_pixels-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace voxatlas::HWY_NAMESPACE {
 namespace {
-
-namespace hn = hwy::HWY_NAMESPACE;
-
-/// Eight floats: the children of a node, the pixels of a block's row. They are one register, or two
-/// or eight where registers are shorter.
-using Floats = hn::CappedTag<float, 8>;
-using Ints = hn::RebindToSigned<Floats>;
-using Words = hn::RebindToUnsigned<Floats>;
-using Float = hn::Vec<Floats>;
-constexpr Floats kFloats;
-constexpr Ints kInts;
-constexpr Words kWords;
-
-Float all(float x) { return hn::Set(kFloats, x); }
-
-/// A set of lanes as bits, lane 0 lowest.
-std::uint32_t bits_of(hn::Mask<Floats> mask) {
-  std::array<std::uint8_t, 8> bytes{};
-  hn::StoreMaskBits(kFloats, mask, bytes.data());
-  return bytes[0];
-}
-
-hn::Mask<Floats> mask_of(std::uint32_t bits) {
-  const std::array<std::uint8_t, 8> bytes{static_cast<std::uint8_t>(bits)};
-  return hn::LoadMaskBits(kFloats, bytes.data());
-}
-
-using Corner = std::array<std::int32_t, 3>;
 
 /// Where the children of a node fall: pixels of the strip.
 struct ChildRects {
@@ -54,6 +27,10 @@ struct Span {
   Float first, last;
 };
 
+/// A node that falls on at most so many pixels is drawn from these, by how many depths lie below
+/// it.
+constexpr std::array<int, kDepth + 1> kFew = {0, 40, 24, 12, 8, 8, 8, 8};
+
 /// `kMap`: the camera is orthographic.
 template <bool kMap>
 class StripPainter {
@@ -65,30 +42,29 @@ class StripPainter {
  private:
   hn::Mask<Floats> beside(const SplatFrame::Level& level, Float x, Float y, Float w) const;
   void visit(int depth, TreeChildren children, const Corner& corner);
+  bool falls_on_few(const PixelRect& rect, int depth) const {
+    const int pixels = (rect.xb - rect.xa + 1) * (rect.yb - rect.ya + 1);
+    return pixels <= kFew[static_cast<std::size_t>(tile_->depth - depth)];
+  }
   ChildRects project(int depth, const Corner& corner) const;
   Span span(std::size_t row, const SplatFrame::Level& level, Float middle, Float per_w) const;
-  void draw_cube(const Corner& corner, int edge, const PixelRect& rect, std::uint32_t number);
-  std::uint64_t draw_rows(std::size_t block, std::uint64_t pixels, std::uint32_t number);
-  std::uint64_t draw_pixels(std::size_t block, std::uint64_t pixels, std::uint32_t number);
 
   const SplatFrame& frame_;
   SplatStrip& strip_;
+  PixelPainter<kMap> pixels_;
   const SplatTile* tile_ = nullptr;
   std::array<float, 3> per_w_{};  // What a place is divided by: its z, or, of a map, nothing.
-  std::uint32_t backwards_ = 0;   // Of a map: the axes down which its rays go.
   std::array<float, 4> sides_{};  // Left, right, upper, lower: pixels of the picture,
   std::array<float, 4> reach_{};  // and how far a cube with half an edge of 1 reaches across.
-  std::array<float, 3> low_{}, high_{};  // The faces of the cube being drawn.
 };
 
 template <bool kMap>
 StripPainter<kMap>::StripPainter(const SplatFrame& frame, SplatStrip& strip)
-    : frame_(frame), strip_(strip) {
+    : frame_(frame), strip_(strip), pixels_(frame, strip) {
   sides_ = {static_cast<float>(strip.x0), static_cast<float>(strip.x0 + strip.width), 0,
             static_cast<float>(frame.height)};
   if (!kMap) per_w_ = frame.project[2];
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    if (kMap) backwards_ |= (frame.ray[axis] < 0 ? 1u : 0u) << axis;
     for (std::size_t side = 0; side < 4; ++side) {
       reach_[side] += std::abs(frame.project[side / 2][axis] - sides_[side] * per_w_[axis]);
     }
@@ -98,6 +74,7 @@ StripPainter<kMap>::StripPainter(const SplatFrame& frame, SplatStrip& strip)
 template <bool kMap>
 void StripPainter<kMap>::paint(const SplatTile& tile) {
   tile_ = &tile;
+  pixels_.begin(tile);
   visit(0, {1, 0}, tile.corner);  // As the only child of a node twice as large.
 }
 
@@ -181,118 +158,33 @@ ChildRects StripPainter<kMap>::project(int depth, const Corner& corner) const {
 /// enters octants in the order of how many of the three middle planes it has crossed.
 template <bool kMap>
 void StripPainter<kMap>::visit(int depth, TreeChildren children, const Corner& corner) {
+  const bool deepest = depth == tile_->depth;
+  if (!deepest) __builtin_prefetch(tile_->links + children.first / 8);
+  const int edge = 1 << (kDepth - depth);
   const ChildRects rects = project(depth, corner);
   const std::uint32_t seen = children.octants & rects.visible;
   if (seen == 0) return;
-  const int edge = 1 << (kDepth - depth);
-  std::uint32_t nearest = backwards_;  // The octant on the eye's side of each middle plane.
-  for (std::size_t axis = 0; axis < 3 && !kMap; ++axis) {
-    nearest |= (corner[axis] + edge <= 0 ? 1u : 0u) << axis;
-  }
+  const std::uint32_t nearest = pixels_.nearest_octant(corner, edge);
   for (std::uint32_t step = 0; step < 8; ++step) {
     const std::uint32_t octant = step ^ nearest;
     if ((seen & 1u << octant) == 0) continue;
     const PixelRect rect{rects.xa[octant], rects.ya[octant], rects.xb[octant], rects.yb[octant]};
-    if (strip_.cull && strip_.coverage.covers(rect)) continue;
+    const bool hidden = strip_.coverage.covers(rect);
+    if (hidden && strip_.cull) continue;
     const std::uint32_t node =
         children.first +
         static_cast<std::uint32_t>(std::popcount(children.octants & ((1u << octant) - 1)));
     const Corner child{corner[0] + (octant & 1 ? edge : 0), corner[1] + (octant & 2 ? edge : 0),
                        corner[2] + (octant & 4 ? edge : 0)};
-    if (depth < tile_->depth) {
-      if (const auto below = children_of(tile_->links, node); below.octants != 0) {
-        visit(depth + 1, below, child);
-        continue;
-      }
-    }
-    draw_cube(child, edge, rect, tile_->first_number + node);
-  }
-}
-
-/// Exactly the pixels whose ray meets the cube. Neighbours share their faces to the bit, so no ray
-/// slips between them.
-template <bool kMap>
-void StripPainter<kMap>::draw_cube(const Corner& corner, int edge, const PixelRect& where,
-                                   std::uint32_t number) {
-  constexpr int kLarge = 3 * Coverage::kBlock;
-  const bool large = where.xb - where.xa > kLarge || where.yb - where.ya > kLarge;
-  const PixelRect rect = large ? frame_.tightened(corner, edge, where, strip_.x0) : where;
-  if (rect.xa > rect.xb || rect.ya > rect.yb) return;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    low_[axis] = static_cast<float>(corner[axis]) - frame_.in_voxel[axis];
-    high_[axis] = static_cast<float>(corner[axis] + edge) - frame_.in_voxel[axis];
-  }
-  Coverage& coverage = strip_.coverage;
-  for (int by = rect.ya >> 3; by <= rect.yb >> 3; ++by) {
-    for (int bx = rect.xa >> 3; bx <= rect.xb >> 3; ++bx) {
-      const std::size_t block = coverage.block_index(bx, by);
-      const std::uint64_t open = Coverage::within(rect, bx, by) & ~coverage.drawn(block);
-      if (open == 0) continue;
-      constexpr int kFew = 3;
-      const std::uint64_t met = std::popcount(open) <= kFew ? draw_pixels(block, open, number)
-                                                            : draw_rows(block, open, number);
-      if (met != 0) coverage.draw(bx, by, met);
+    const TreeChildren below = deepest ? TreeChildren{0, 0} : children_of(tile_->links, node);
+    if (below.octants == 0) {
+      pixels_.draw_cube(child, edge, rect, tile_->first_number + node);
+    } else if (!hidden && falls_on_few(rect, depth)) {
+      pixels_.cast_rays(depth + 1, below, child, rect);
+    } else {
+      visit(depth + 1, below, child);
     }
   }
-}
-
-template <bool kMap>
-std::uint64_t StripPainter<kMap>::draw_rows(std::size_t block, std::uint64_t pixels,
-                                            std::uint32_t number) {
-  std::uint64_t met = 0;
-  const std::size_t lanes = hn::Lanes(kFloats);
-  for (int row = std::countr_zero(pixels) / 8; row * 8 < 64 - std::countl_zero(pixels); ++row) {
-    for (std::size_t i = 0; i < 8; i += lanes) {
-      const std::size_t shift = static_cast<std::size_t>(row) * 8 + i;
-      const auto open = static_cast<std::uint32_t>(pixels >> shift & 0xff) & ((1u << lanes) - 1);
-      if (open == 0) continue;
-      const std::size_t at = block * 64 + shift;
-      Float in = all(frame_.near_z), out = all(frame_.far_z);
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        const Float inverse = hn::LoadU(kFloats, strip_.inverse[axis].data() + at);
-        Float low = all(low_[axis]), high = all(high_[axis]);
-        if constexpr (kMap) {
-          const Float start = hn::LoadU(kFloats, strip_.start[axis].data() + at);
-          low = hn::Sub(low, start);
-          high = hn::Sub(high, start);
-        }
-        const Float a = hn::Mul(low, inverse), b = hn::Mul(high, inverse);
-        in = hn::Max(in, hn::Min(a, b));
-        out = hn::Min(out, hn::Max(a, b));
-      }
-      const auto hit = hn::And(hn::Le(in, out), mask_of(open));
-      const std::uint32_t hits = bits_of(hit);
-      if (hits == 0) continue;
-      met |= std::uint64_t{hits} << shift;
-      hn::BlendedStore(hn::Mul(in, all(frame_.voxel_metres)), hit, kFloats, strip_.z.data() + at);
-      hn::BlendedStore(hn::Set(kWords, number), hn::RebindMask(kWords, hit), kWords,
-                       strip_.cell.data() + at);
-    }
-  }
-  return met;
-}
-
-/// The same, one by one: cheaper where there are few.
-template <bool kMap>
-std::uint64_t StripPainter<kMap>::draw_pixels(std::size_t block, std::uint64_t pixels,
-                                              std::uint32_t number) {
-  std::uint64_t met = 0;
-  for (; pixels != 0; pixels &= pixels - 1) {
-    const std::size_t at = block * 64 + static_cast<std::size_t>(std::countr_zero(pixels));
-    float in = frame_.near_z, out = frame_.far_z;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const float inverse = strip_.inverse[axis][at];
-      const float start = kMap ? strip_.start[axis][at] : 0;
-      const float a = (low_[axis] - start) * inverse, b = (high_[axis] - start) * inverse;
-      in = std::max(in, std::min(a, b));
-      out = std::min(out, std::max(a, b));
-    }
-    if (!(in <= out)) continue;
-    met |= pixels & -pixels;
-    strip_.z[at] = in * frame_.voxel_metres;
-    strip_.cell[at] = number;
-  }
-  return met;
 }
 
 template <bool kMap>
