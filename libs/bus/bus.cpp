@@ -79,7 +79,6 @@ struct Bus::State {
   std::string cannot_receive;  ///< A channel LCM would not subscribe to.
   std::int64_t last_reconnect = 0;
   std::int64_t last_log = 0;
-  int batch = kMaxBatch;
 };
 
 void Bus::State::on_message(const lcm_recv_buf_t* received, const char* name,
@@ -237,8 +236,6 @@ void Bus::unsubscribe(Subscription subscription) {
   if (!bus.in_handler) bus.purge();
 }
 
-void Bus::handle_at_most(int messages) { state_->batch = messages; }
-
 int Bus::fd() const { return lcm_get_fileno(state_->lcm); }
 
 Status Bus::handle_waiting() {
@@ -249,7 +246,7 @@ Status Bus::handle_waiting() {
                 fmt::format("no bus at {}: subscribing to {} failed", bus.url, bus.cannot_receive));
   }
   if (bus.is_hub && fd() < 0) bus.reconnect();
-  for (int i = 0; i < bus.batch && fd() >= 0; ++i) {
+  for (int i = 0; i < kMaxBatch && fd() >= 0; ++i) {
     pollfd ready{fd(), POLLIN, 0};
     if (::poll(&ready, 1, 0) <= 0) break;
     bus.in_handler = true;

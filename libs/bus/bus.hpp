@@ -58,8 +58,6 @@ class Bus {
   int fd() const;  ///< Readable where messages wait: for poll(). -1 while a hub is lost.
   /// Runs the handlers of the messages that wait now, some thousand at most; never blocks.
   Status handle_waiting();
-  /// Bounds what one handle_waiting() runs, where its caller has something to do in between.
-  void handle_at_most(int messages);
 
   const std::string& url() const;  ///< In full, defaults filled in.
   /// Whether endpoints have ports of their own here (multicast); elsewhere they share this bus.

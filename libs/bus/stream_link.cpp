@@ -1,6 +1,7 @@
 #include "bus/stream_link.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "base/utime.hpp"
 #include "bus/bus_url.hpp"
@@ -17,8 +18,10 @@ constexpr std::size_t kNetworkChunkBytes = 1300;
 /// Of the payloads of one pump(), so that acknowledgements are looked at between.
 constexpr std::size_t kChunksAtOnce = 16;
 
-/// Received before pump() is called again: a producer that hears of nothing meanwhile runs out of
-/// credit and both ends wait for one another (12: 1400 MB/s, all that wait: 1270).
+/// Taken before acknowledgements are looked at, even where the service has not come round to its
+/// pump(): a producer that hears of nothing until all that waits is taken runs out of credit, and
+/// both ends wait for one another (12: 1400 MB/s, all: 1270). The service still gets all at once,
+/// so that what it commits together stays large (a tenth of it: 0.48 in place of 0.77 M rays/s).
 constexpr int kChunksBetweenAcks = 12;
 
 /// A larger receive buffer is not filled: what is under way would leave the processor's cache
@@ -83,11 +86,33 @@ struct InLink::State {
   State(Bus& b, PortConnection p, const ConsumerConfig& config)
       : bus(b), port(std::move(p)), consumer(random_id(), config) {}
 
+  Status on_chunk(ByteView bytes);
+  Status send_acks(std::int64_t now);
+
   Bus& bus;
   PortConnection port;
   StreamConsumer consumer;
   Bus::Subscription chunks = 0;
+  int since_acks = 0;  ///< Chunks taken.
+  Status sent;         ///< What became of acknowledgements between two pump()s.
 };
+
+Status InLink::State::on_chunk(ByteView bytes) {
+  auto chunk = decode_chunk(bytes);
+  if (!chunk) return pass_on(chunk);
+  const auto now = steady_utime();
+  consumer.on_chunk(chunk->head, chunk->data, now);
+  if (++since_acks >= kChunksBetweenAcks && sent) sent = send_acks(now);
+  return {};
+}
+
+Status InLink::State::send_acks(std::int64_t now) {
+  since_acks = 0;
+  for (const auto& ack : consumer.poll(now)) {
+    if (auto ok = unless_hub_lost(bus.publish(kAckChannel, ack)); !ok) return ok;
+  }
+  return {};
+}
 
 InLink::InLink(std::unique_ptr<State> state) : state_(std::move(state)) {}
 InLink::~InLink() { state_->port.bus().unsubscribe(state_->chunks); }
@@ -99,16 +124,9 @@ Result<std::unique_ptr<InLink>> InLink::create(Bus& bus, const Endpoint& self,
   auto buffer = receive_buffer_of(port->bus().url());
   if (!buffer) return pass_on(buffer);
   config.receive_buffer_bytes = std::min(*buffer, kMostUnderWay);
-  if (bus.has_ports()) port->bus().handle_at_most(kChunksBetweenAcks);
   auto state = std::make_unique<State>(bus, std::move(*port), config);
-  auto* consumer = &state->consumer;
-  state->chunks =
-      state->port.bus().subscribe_bytes(self.chunk_channel(), [consumer](ByteView bytes) -> Status {
-        auto chunk = decode_chunk(bytes);
-        if (!chunk) return pass_on(chunk);
-        consumer->on_chunk(chunk->head, chunk->data, steady_utime());
-        return {};
-      });
+  state->chunks = state->port.bus().subscribe_bytes(
+      self.chunk_channel(), [link = state.get()](ByteView bytes) { return link->on_chunk(bytes); });
   return std::unique_ptr<InLink>(new InLink(std::move(state)));
 }
 
@@ -116,11 +134,8 @@ StreamConsumer& InLink::consumer() { return state_->consumer; }
 Bus& InLink::port() { return state_->port.bus(); }
 
 Status InLink::pump(std::int64_t now) {
-  for (const auto& ack : state_->consumer.poll(now)) {
-    auto sent = unless_hub_lost(state_->bus.publish(kAckChannel, ack));
-    if (!sent) return sent;
-  }
-  return {};
+  if (auto sent = std::exchange(state_->sent, {}); !sent) return sent;
+  return state_->send_acks(now);
 }
 
 }  // namespace voxatlas

@@ -102,12 +102,6 @@ TEST_CASE("more messages wait than LCM's own thirty", "[bus]") {
   for (int i = 0; i < 1500; ++i) REQUIRE(bus->publish_bytes("A", Bytes(100)).has_value());
   REQUIRE(bus->handle_waiting().has_value());
   CHECK(times == 1500);
-  for (int i = 0; i < 50; ++i) REQUIRE(bus->publish_bytes("A", Bytes(100)).has_value());
-  bus->handle_at_most(20);
-  for (const int expected : {1520, 1540, 1550}) {
-    REQUIRE(bus->handle_waiting().has_value());
-    CHECK(times == expected);
-  }
 }
 
 TEST_CASE("a bus that cannot be is refused by name", "[bus]") {
