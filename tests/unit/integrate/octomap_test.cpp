@@ -10,6 +10,7 @@
 
 #include "integrate/integrator.hpp"
 #include "octree/tile_tree.hpp"
+#include "support/slow_build.hpp"
 #include "unit/integrate/test_scans.hpp"
 
 namespace voxatlas {
@@ -207,12 +208,12 @@ void require_real_like_octomap(std::size_t count) {
 
 TEST_CASE("simulated scans leave the voxels that OctoMap leaves, bit for bit but at grazed edges",
           "[integrate][oracle]") {
-  require_like_octomap(test::street_scans(5));
+  require_like_octomap(test::street_scans(test::kSlowBuild ? 1 : 5));
 }
 
 TEST_CASE("real scans leave the voxels that OctoMap leaves, bit for bit but at grazed edges",
           "[integrate][oracle]") {
-  require_real_like_octomap(3);
+  require_real_like_octomap(test::kSlowBuild ? 1 : 3);
 }
 
 // The same at length; Catch2 runs neither unless told to.

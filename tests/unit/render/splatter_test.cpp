@@ -10,6 +10,7 @@
 #include "scene.hpp"
 #include "support/engine.hpp"
 #include "support/ray_caster.hpp"
+#include "support/slow_build.hpp"
 
 namespace voxatlas {
 namespace {
@@ -145,14 +146,7 @@ void compare(const CellImage& image, const test::Forest& forest, const test::Ray
   }
 }
 
-/// What the sanitizers make slow is drawn less often.
-int cameras(int count) {
-#if defined(NDEBUG) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-  return count;
-#else
-  return count / 20 + 1;
-#endif
-}
+int cameras(int count) { return test::kSlowBuild ? count / 20 + 1 : count; }
 
 TEST_CASE("each pixel shows the cell and the depth that a ray finds", "[splat][oracle]") {
   auto rng = test::engine();
