@@ -48,6 +48,31 @@ Ray classify(const Grid& grid, const Eigen::Vector3d& origin, const Eigen::Vecto
   return ray;
 }
 
+/// Says of most endpoints, and of hits alone, that they are hits, without a root and without a look
+/// at the cube: their squared length is within the ranges whichever way it was rounded, and the
+/// scan is far from the cube's faces.
+class SureHits {
+ public:
+  SureHits(const Grid& grid, const Eigen::Vector3d& origin, double min_range, double max_range)
+      : origin_(origin), least_(min_range * min_range * (1 + kRounding)) {
+    const auto reach = Eigen::Vector3d::Constant(max_range + 1);
+    const bool far = grid.voxel_at(origin - reach) && grid.voxel_at(origin + reach);
+    most_ = far ? max_range * max_range * (1 - kRounding) : 0;
+  }
+
+  bool has(const Eigen::Vector3d& end) const {
+    const double x = end.x() - origin_.x(), y = end.y() - origin_.y(), z = end.z() - origin_.z();
+    const double squared = x * x + y * y + z * z;  // NaN, infinity: no.
+    return squared > least_ && squared < most_;
+  }
+
+ private:
+  static constexpr double kRounding = 1e-9;
+
+  Eigen::Vector3d origin_;
+  double least_, most_;
+};
+
 void count(IntegrationCounts& counts, Ray::Kind kind) {
   ++counts.rays;
   counts.hits += kind == Ray::kHit;
@@ -104,21 +129,29 @@ IntegrationCounts Integrator::State::mark(const Scan& scan) {
   const int hit_shift = kDepth - hits.depth();
   const double scale = std::ldexp(1.0, misses.depth() - kDepth);
   Marks& rays = scale == 1 ? misses : carved;
+  const auto hit = [&](const VoxelIndex& voxel, std::size_t i) {
+    const auto place =
+        hit_shift == 0
+            ? set_voxel_mark(hits, voxel.x(), voxel.y(), voxel.z())
+            : set_mark(hits, VoxelIndex(voxel.unaryExpr([&](int at) { return at >> hit_shift; })));
+    if (!scan.colours.empty()) seen.push_back({place, scan.colours[i]});
+  };
+  const auto miss = [&](const Eigen::Vector3d& end_ecef) {
+    if (carves) carve(origin * scale, grid.to_voxels(end_ecef) * scale, rays);
+  };
+  const SureHits sure(grid, scan.origin_ecef, min_range, parameters.max_range);
   for (std::size_t i = 0; i < scan.endpoints_ecef.size(); ++i) {
-    const auto ray =
-        classify(grid, scan.origin_ecef, scan.endpoints_ecef[i], min_range, parameters.max_range);
-    count(counts, ray.kind);
-    if (ray.kind == Ray::kHit) {
-      const auto& voxel = ray.end_voxel;
-      const auto place = hit_shift == 0 ? set_voxel_mark(hits, voxel.x(), voxel.y(), voxel.z())
-                                        : set_mark(hits, VoxelIndex(voxel.unaryExpr([&](int at) {
-                                                     return at >> hit_shift;
-                                                   })));
-      if (!scan.colours.empty()) seen.push_back({place, scan.colours[i]});
-    } else if (ray.kind != Ray::kBeyondMax) {
+    const Eigen::Vector3d& end_ecef = scan.endpoints_ecef[i];
+    if (sure.has(end_ecef)) {
+      hit(grid.voxel_unchecked(end_ecef), i);
+      miss(end_ecef);
+      count(counts, Ray::kHit);
       continue;
     }
-    if (carves) carve(origin * scale, grid.to_voxels(ray.end_ecef) * scale, rays);
+    const auto ray = classify(grid, scan.origin_ecef, end_ecef, min_range, parameters.max_range);
+    count(counts, ray.kind);
+    if (ray.kind == Ray::kHit) hit(ray.end_voxel, i);
+    if (ray.kind == Ray::kHit || ray.kind == Ray::kBeyondMax) miss(ray.end_ecef);
   }
   rays.merge();
   if (scale != 1) add_cells(carved, misses);
