@@ -27,7 +27,11 @@ class BrickPool {
     return (*slabs_[number / kSlab])[number % kSlab];
   }
 
-  std::size_t unused() const { return slabs_.size() * kSlab - used_ + free_.size(); }
+  /// More than a slab and an eighth of all stand unused: worth a copy of what is used.
+  bool wasteful() const {
+    const std::size_t all = slabs_.size() * kSlab;
+    return all - used_ + free_.size() > kSlab + all / 8;
+  }
   std::size_t memory_bytes() const;
 
  private:

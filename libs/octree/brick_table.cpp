@@ -119,7 +119,7 @@ std::optional<CellState> BrickTable::uniform(BrickRange range) const {
 }
 
 void BrickTable::compact() {
-  if (pool_.unused() > 0) {
+  if (pool_.wasteful()) {
     BrickPool packed;
     for (unsigned brick = 0; brick < kBricks; ++brick) {
       if (!is_mixed(brick)) continue;

@@ -59,7 +59,7 @@ class BrickTable {
   std::optional<CellState> uniform(BrickRange range) const;
 
   bool is_empty() const;
-  void compact();  ///< Gives back the pool's unused bricks.
+  void compact();  ///< Gives back unused bricks where there are many.
   std::size_t memory_bytes() const;
 
   friend bool operator==(const BrickTable& a, const BrickTable& b);

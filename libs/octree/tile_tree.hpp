@@ -93,7 +93,7 @@ class TileTree {
   };
   Counts counts() const;
 
-  /// Turns uniform bricks into one state each and gives unused memory back. Changes no voxel.
+  /// Gives unused memory back where there is much of it. Changes no voxel.
   void prune();
 
   /// Bytes held, this object included.
