@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <cstring>
+#include <bit>
 
 #include "codec/pyramid.hpp"
 
@@ -13,75 +13,51 @@ Content content_of(const Brick& brick, unsigned voxel) {
   return has_voxel(brick.known, voxel) ? brick.log_odds[voxel] : kNothing;
 }
 
-/// How many of all voxels have the log-odds; unknown ones have 0.
-unsigned count_equal(const Brick& brick, LogOdds log_odds) {
-  std::uint16_t count = 0;  // As wide as what is compared, for the sake of vectors.
-  for (const LogOdds each : brick.log_odds) {
-    count = static_cast<std::uint16_t>(count + (each == log_odds ? 1 : 0));
-  }
-  return count;
-}
+/// What most voxels of a brick hold, and which do.
+struct Ground {
+  Content content;
+  VoxelMask voxels;
+};
 
-/// The voxels that hold anything else.
-VoxelMask other_than(const Brick& brick, Content content) {
-  if (content == kNothing) return brick.known;
-  const auto log_odds = static_cast<LogOdds>(content);
-  std::array<std::uint8_t, kBrickVoxels> differs;
-  for (std::size_t i = 0; i < kBrickVoxels; ++i) {
-    differs[i] = brick.log_odds[i] != log_odds ? 1 : 0;
-  }
+VoxelMask without(const VoxelMask& a, const VoxelMask& b) {
   VoxelMask result;
-  for (std::size_t z = 0; z < result.size(); ++z) {
-    result[z] = ~brick.known[z];
-    for (std::size_t y = 0; y < 8; ++y) {
-      std::uint64_t row;
-      std::memcpy(&row, &differs[64 * z + 8 * y], sizeof row);
-      // Byte i's bit to bit 56 + i; the rest of the product lies elsewhere.
-      result[z] |= row * 0x0102'0408'1020'4080ull >> 56 << 8 * y;
-    }
-  }
+  for (std::size_t z = 0; z < result.size(); ++z) result[z] = a[z] & ~b[z];
   return result;
 }
 
-/// Finds what most voxels of a brick hold; of several the one that was first so often, in Morton
-/// order.
-class GroundFinder {
- public:
-  Content of(const Brick& brick) {
-    constexpr unsigned kHalf = kBrickVoxels / 2;
-    const bool all = brick.known == kAllVoxels;
-    if (!all && count_of(brick.known) < kHalf) return kNothing;
-    for (const unsigned guess : {0u, kBrickVoxels - 1, kHalf - 1, kHalf + 8}) {
-      const LogOdds log_odds = brick.log_odds[guess];
-      if (!all && log_odds == 0) continue;  // Or unknown.
-      if (count_equal(brick, log_odds) > kHalf) return log_odds;
-    }
-    return by_counting(brick);
-  }
+unsigned first_of(const VoxelMask& mask) {
+  unsigned z = 0;
+  while (mask[z] == 0) ++z;
+  return 64 * z + static_cast<unsigned>(std::countr_zero(mask[z]));
+}
 
- private:
-  static std::size_t slot_of(Content content) {
-    return content == kNothing ? kValues : static_cast<std::uint16_t>(content);
-  }
+unsigned last_in_morton_order(const VoxelMask& mask) {
+  unsigned last = 0;
+  for_each_bit(mask,
+               [&](unsigned voxel) { last = std::max(last, unsigned{kMortonOfVoxel[voxel]}); });
+  return last;
+}
 
-  Content by_counting(const Brick& brick) {
-    std::uint16_t most = 0;
-    Content ground = kNothing;
-    for (const auto voxel : kVoxelOfMorton) {
-      const Content content = content_of(brick, voxel);
-      if (++counts_[slot_of(content)] <= most) continue;
-      ++most;
-      ground = content;
+/// Of several contents that are as common, the one that was first so often in Morton order. Looks
+/// at one content after the other, as long as those left could be more than the commonest so far.
+Ground ground_of(const Brick& brick) {
+  Ground ground{kNothing, without(kAllVoxels, brick.known)};
+  unsigned most = count_of(ground.voxels);
+  VoxelMask left = brick.known;
+  for (unsigned others = kBrickVoxels - most; others >= most && others > 0;) {
+    const LogOdds content = brick.log_odds[first_of(left)];
+    const VoxelMask voxels = both(equal_to(brick, content), left);
+    const unsigned count = count_of(voxels);
+    if (count > most ||
+        (count == most && last_in_morton_order(voxels) < last_in_morton_order(ground.voxels))) {
+      ground = {content, voxels};
+      most = count;
     }
-    for (unsigned voxel = 0; voxel < kBrickVoxels; ++voxel) {
-      counts_[slot_of(content_of(brick, voxel))] = 0;
-    }
-    return ground;
+    left = without(left, voxels);
+    others -= count;
   }
-
-  static constexpr std::size_t kValues = std::size_t{1} << 16;
-  std::vector<std::uint16_t> counts_ = std::vector<std::uint16_t>(kValues + 1);
-};
+  return ground;
+}
 
 /// Mask, exceptions and highest content of a mixed slot.
 void add_exceptions(const Brick& brick, Content ground, const VoxelMask& voxels,
@@ -93,9 +69,11 @@ void add_exceptions(const Brick& brick, Content ground, const VoxelMask& voxels,
   });
   content.masks.insert(content.masks.end(), mask.begin(), mask.end());
   Content highest = ground;
+  content.exceptions.resize(content.exceptions.size() + count_of(voxels));
+  Content* next = content.exceptions.data() + content.exceptions.size() - count_of(voxels);
   for_each_exception(mask.data(), [&](unsigned code) {
-    content.exceptions.push_back(content_of(brick, kVoxelOfMorton[code]));
-    highest = std::max(highest, content.exceptions.back());
+    *next = content_of(brick, kVoxelOfMorton[code]);
+    highest = std::max(highest, *next++);
   });
   content.highest.push_back(highest);
 }
@@ -105,14 +83,14 @@ void add_exceptions(const Brick& brick, Content ground, const VoxelMask& voxels,
 FastContent fast_content_of(const BrickTable& table) {
   using Kind = Pyramid::Kind;
   FastContent content;
-  GroundFinder find_ground;
   for (unsigned i = 0; i < kBricks; ++i) {
     if (table.is_empty(i)) continue;
     auto kind = Kind::kUniform;
     if (table.is_mixed(i)) {
       const Brick& brick = table.mixed(i);
-      content.ground.push_back(find_ground.of(brick));
-      const VoxelMask voxels = other_than(brick, content.ground.back());
+      const Ground ground = ground_of(brick);
+      content.ground.push_back(ground.content);
+      const VoxelMask voxels = without(kAllVoxels, ground.voxels);
       if (any_of(voxels)) {  // Else mixed by its colours alone.
         kind = Kind::kMixed;
         add_exceptions(brick, content.ground.back(), voxels, content);

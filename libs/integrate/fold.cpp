@@ -4,6 +4,7 @@
 #include <bit>
 
 #include "integrate/each_bit.hpp"
+#include "octree/brick_mask.hpp"
 
 namespace voxatlas {
 namespace {
@@ -79,7 +80,7 @@ CellSet to_cells(const Marks& marks, std::uint32_t tile, std::uint64_t& count) {
   for_each_top(top, [&](std::uint32_t brick) {
     auto bits = marks.bits(marks.brick_slot_of(tile, brick));
     widen(bits, marks.depth());
-    for (const auto word : bits) voxels += static_cast<std::uint64_t>(std::popcount(word));
+    voxels += count_of(bits);
     cells.bricks.push_back({static_cast<std::uint16_t>(brick), bits});
   });
   count += voxels >> 3 * (kDepth - marks.depth());

@@ -59,6 +59,18 @@ HWY_ATTR void update_brick(Brick& brick, const VoxelMask& misses, const VoxelMas
   }
 }
 
+HWY_ATTR VoxelMask equal_voxels(const Brick& brick, LogOdds log_odds) {
+  const Lanes d;
+  const auto wanted = hn::Set(d, log_odds);
+  VoxelMask result{};
+  for (std::size_t i = 0; i < kBrickVoxels; i += kLanes) {
+    std::array<std::uint8_t, 8> bits{};  // Of at most 16 lanes; Highway may write a whole word.
+    hn::StoreMaskBits(d, hn::Eq(hn::Load(d, brick.log_odds.data() + i), wanted), bits.data());
+    result[i / 64] |= (bits[0] | std::uint64_t{bits[1]} << 8) << i % 64;
+  }
+  return result;
+}
+
 }  // namespace HWY_NAMESPACE
 }  // namespace voxatlas
 HWY_AFTER_NAMESPACE();
@@ -107,6 +119,12 @@ bool is_uniform(const Brick& brick) {
   // All equal: shifted by one they are the same bytes.
   return std::memcmp(brick.log_odds.data(), brick.log_odds.data() + 1,
                      sizeof(LogOdds) * (kBrickVoxels - 1)) == 0;
+}
+
+HWY_EXPORT(equal_voxels);
+
+VoxelMask equal_to(const Brick& brick, LogOdds log_odds) {
+  return HWY_DYNAMIC_DISPATCH(equal_voxels)(brick, log_odds);
 }
 
 VoxelMask free_among(const Brick& brick, const VoxelMask& voxels) {

@@ -29,6 +29,9 @@ void forget(Brick& brick, const VoxelMask& voxels);
 /// True when every voxel is known and all have the same log-odds.
 bool is_uniform(const Brick& brick);
 
+/// The voxels with these log-odds; unknown ones have 0.
+VoxelMask equal_to(const Brick& brick, LogOdds log_odds);
+
 /// Those voxels of the mask that are below 0.
 VoxelMask free_among(const Brick& brick, const VoxelMask& voxels);
 

@@ -24,10 +24,17 @@ inline bool any_of(const VoxelMask& mask) {
   return all != 0;
 }
 
+/// The eight words at once, in vectors: std::popcount is a call each where a program must run on
+/// every x86-64.
 inline unsigned count_of(const VoxelMask& mask) {
-  int count = 0;
-  for (const auto word : mask) count += std::popcount(word);
-  return static_cast<unsigned>(count);
+  std::uint64_t bytes = 0;  // Each the sum of eight bytes' bits, at most 64.
+  for (std::uint64_t word : mask) {
+    word -= word >> 1 & 0x5555555555555555u;
+    word = (word & 0x3333333333333333u) + (word >> 2 & 0x3333333333333333u);
+    bytes += (word + (word >> 4)) & 0x0f0f0f0f0f0f0f0fu;
+  }
+  const std::uint64_t pairs = (bytes & 0x00ff00ff00ff00ffu) + (bytes >> 8 & 0x00ff00ff00ff00ffu);
+  return static_cast<unsigned>(pairs * 0x0001000100010001u >> 48);
 }
 
 inline bool has_voxel(const VoxelMask& mask, unsigned voxel) {

@@ -63,6 +63,32 @@ TEST_CASE("a brick's update is SensorModel::update, voxel by voxel, with every s
   }
 }
 
+TEST_CASE("equal voxels are found one by one, with every set of instructions", "[octree][oracle]") {
+  const auto targets = hwy::SupportedAndGeneratedTargets();
+  auto rng = test::engine();
+  INFO("VOX_SEED=" << test::seed());
+  constexpr LogOdds kValues[] = {0, -1, 1, -1661, 3471, 32'767, -32'768};
+  for (int round = 0; round < 1000; ++round) {
+    Brick brick;
+    const auto kinds = 1 + rng() % 7;
+    for (auto& log_odds : brick.log_odds) log_odds = kValues[rng() % kinds];
+    const LogOdds wanted = kValues[rng() % 7];
+    const auto target = targets[static_cast<std::size_t>(round) % targets.size()];
+    hwy::SetSupportedTargetsForTest(target);
+    const VoxelMask equal = equal_to(brick, wanted);
+    hwy::SetSupportedTargetsForTest(0);
+    CAPTURE(hwy::TargetName(target), round, wanted);
+    unsigned count = 0;
+    bool right = true;
+    for (unsigned voxel = 0; voxel < kBrickVoxels; ++voxel) {
+      right = right && has_voxel(equal, voxel) == (brick.log_odds[voxel] == wanted);
+      count += brick.log_odds[voxel] == wanted ? 1 : 0;
+    }
+    REQUIRE(right);
+    REQUIRE(count_of(equal) == count);
+  }
+}
+
 TEST_CASE("assign and forget change the voxels of their mask and no other", "[octree][oracle]") {
   auto rng = test::engine();
   Brick brick;
