@@ -212,13 +212,12 @@ void cut_above_bricks(const Pyramid& pyramid, int depth, BrickTable& table) {
   }
 }
 
-/// Whether any voxel has it; unknown ones have 0. Without a way out of a brick: in vectors.
+/// Whether any voxel has it; unknown ones have 0.
 bool holds(const BrickTable& table, LogOdds value) {
   bool found = false;
   for (unsigned i = 0; i < kBricks && !found; ++i) {
     found = table.is_uniform(i) && table.uniform_log_odds(i) == value;
-    if (!table.is_mixed(i)) continue;
-    for (const LogOdds each : table.mixed(i).log_odds) found |= each == value;
+    if (table.is_mixed(i)) found = any_of(equal_to(table.mixed(i), value));
   }
   return found;
 }
