@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bit>
 #include <cstring>
 
 #include "base/check.hpp"
@@ -177,10 +176,10 @@ VoxelMask get_mask(ByteReader& in) {
 
 std::size_t bits_of(ByteView masks) {
   std::size_t count = 0;
-  for (std::size_t at = 0; at < masks.size(); at += sizeof(std::uint64_t)) {
-    std::uint64_t word;
-    std::memcpy(&word, masks.data() + at, sizeof word);
-    count += static_cast<std::size_t>(std::popcount(word));
+  for (std::size_t at = 0; at + kMaskBytes <= masks.size(); at += kMaskBytes) {
+    VoxelMask mask;
+    std::memcpy(mask.data(), masks.data() + at, sizeof mask);
+    count += count_of(mask);
   }
   return count;
 }
@@ -194,7 +193,8 @@ Result<PlaceReader> get_places(ByteReader& in, ByteView masks, std::size_t palet
   return places;
 }
 
-/// The bricks, of what next() gives for one exception after the other.
+/// The bricks, of what next() gives for one exception after the other. Each is settled, as no
+/// encoder, but anybody else, may have written one of equal voxels.
 template <class Next>
 void fill_bricks(const Pyramid& pyramid, ByteView masks, Next next, BrickTable& table) {
   const auto values = pyramid.values();
@@ -204,6 +204,7 @@ void fill_bricks(const Pyramid& pyramid, ByteView masks, Next next, BrickTable& 
     if (slot.kind == Kind::kUniform) table.make_uniform(i, {values[slot.ground], {}});
     if (slot.kind != Kind::kMixed) continue;
     fill_brick(table.expand(i), slot.ground, mask, values, [&](unsigned) { return next(); });
+    table.settle(i);
     mask += kMaskBytes;
   }
 }
@@ -283,9 +284,6 @@ Result<TileTree> decode_fast(ByteView head, ByteView body) {
   if (auto ok = get_voxels(in, parsed->pyramid, table); !ok) return pass_on(ok);
   if (auto ok = get_voxel_colours(in, parsed->colours, table); !ok) return pass_on(ok);
   if (!in.at_end()) return corrupt("its body is read up to", in.position());
-  for (unsigned i = 0; i < kBricks; ++i) {
-    if (table.is_mixed(i)) table.settle(i);
-  }
   return TileTree::of_bricks(std::move(table));
 }
 

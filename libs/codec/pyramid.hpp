@@ -64,8 +64,11 @@ void fill_brick(Brick& brick, Place ground, const std::uint8_t* mask,
     const auto place = place_of(code);
     const unsigned voxel = kVoxelOfMorton[code];
     const std::uint64_t bit = std::uint64_t{1} << (voxel & 63);
-    auto& word = brick.known[voxel >> 6];
-    word = place != kUnknown ? word | bit : word & ~bit;
+    if (place == kUnknown) {
+      brick.known[voxel >> 6] &= ~bit;
+    } else if (ground == kUnknown) {
+      brick.known[voxel >> 6] |= bit;
+    }
     brick.log_odds[voxel] = values[place];
   });
 }
