@@ -19,7 +19,7 @@ namespace voxatlas {
 
 struct AtlasOptions {
   std::size_t cache_bytes = std::size_t{256} << 20;  ///< Budget for tiles in memory.
-  std::size_t journal_max_bytes = std::size_t{64}
+  std::size_t journal_max_bytes = std::size_t{32}
                                   << 20;  ///< Dirty tiles are flushed to stay below.
   bool keep_journal = false;     ///< Records are never trimmed: all that ever was can be replayed.
   double rest_seconds = 2;       ///< Unchanged for so long after its flush, a tile is rested() ...

@@ -1,6 +1,8 @@
 // Scans in: checked, appended to the journal as one, applied in memory.
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "atlas/atlas_state.hpp"
 #include "base/log.hpp"
 #include "grid/region_key.hpp"
@@ -73,8 +75,9 @@ Status Atlas::State::make_room() {
   return keep_journal();
 }
 
-/// The version of every tile that these scans touch, 0 where never written; read into memory as
-/// far as the budget goes, so that applying need not read.
+/// The version of every tile that these scans touch, 0 where never written. Of those that are not
+/// in memory only the version is wanted: they are read for good when their turn comes, as a commit
+/// may touch more tiles than there is room for.
 Result<Atlas::State::Versions> Atlas::State::current_versions(
     const std::vector<const ShardScan*>& scans) {
   Versions versions;
@@ -84,7 +87,7 @@ Result<Atlas::State::Versions> Atlas::State::current_versions(
   constexpr std::size_t kReadAtOnce = 32;
   std::vector<TileKey> missing;
   for (auto& [key, version] : versions) {
-    if (const auto* tile = cache.find(key)) {
+    if (const auto* tile = cache.peek(key)) {
       version = tile->version;
     } else {
       missing.push_back(key);
@@ -92,8 +95,10 @@ Result<Atlas::State::Versions> Atlas::State::current_versions(
   }
   for (std::size_t at = 0; at < missing.size(); at += kReadAtOnce) {
     const auto count = std::min(kReadAtOnce, missing.size() - at);
-    if (auto ok = load_all(std::span(missing).subspan(at, count), versions); !ok) {
-      return pass_on(ok);
+    auto found = store.multi_get(shard, std::span(missing).subspan(at, count));
+    if (!found) return pass_on(found);
+    for (const auto& stored : *found) {
+      if (stored) versions[stored->key] = stored->version;
     }
   }
   return versions;
@@ -117,25 +122,51 @@ Result<JournalPosition> Atlas::State::append(const std::vector<const ShardScan*>
   return first;
 }
 
-/// The record is durable: what cannot be applied now is applied by a recovery. A delta is decoded
+/// The records are durable: what cannot be applied now is applied by a recovery. A delta is decoded
 /// when its tile's turn comes: all of a carving scan's at once are some 30 MB.
-Status Atlas::State::apply(const ShardScan& scan, JournalPosition position,
-                           std::vector<TileChange>& changes) {
-  for (const auto& [key, bytes] : scan.deltas) {
-    auto delta = decode_delta(bytes);
-    if (!delta) return pass_on(delta);  // check_scan has decoded it before.
-    auto tile = load(key);
-    if (!tile) return pass_on(tile);
-    if (*tile == nullptr) *tile = &cache.insert(key, {}, 0);
-    (*tile)->tree.apply(*delta, parameters.sensor);
-    cache.changed(key, position);
-    rested.remove(key);
-    changes.push_back({key, (*tile)->version, bytes});
-    if (auto ok = keep_budget(key); !ok) say_behind(ok.error());
-    ++counts.deltas_applied;
+Status Atlas::State::apply(TileKey key, ByteView bytes, JournalPosition position) {
+  auto delta = decode_delta(bytes);
+  if (!delta) return pass_on(delta);  // check_scan has decoded it before.
+  auto tile = load(key);
+  if (!tile) return pass_on(tile);
+  if (*tile == nullptr) *tile = &cache.insert(key, {}, 0);
+  (*tile)->tree.apply(*delta, parameters.sensor);
+  cache.changed(key, position);
+  rested.remove(key);
+  if (auto ok = keep_budget(key); !ok) say_behind(ok.error());
+  ++counts.deltas_applied;
+  return {};
+}
+
+/// Tile by tile, each with the deltas of all scans, so that it is read and written once where not
+/// all of them fit into memory; and from the other end each time, as those that came last are still
+/// there. The changes are told scan by scan.
+Status Atlas::State::apply_all(const std::vector<const ShardScan*>& scans, JournalPosition first,
+                               Versions versions, std::vector<TileChange>& changes) {
+  struct Step {
+    TileKey key;
+    JournalPosition position;
+    ByteView delta;
+  };
+  std::vector<Step> steps;
+  for (std::size_t i = 0; i < scans.size(); ++i) {
+    for (const auto& [key, bytes] : scans[i]->deltas) steps.push_back({key, first + i, bytes});
   }
-  marks[{scan.source, scan.session}] = scan.seq;
-  ++counts.scans_applied;
+  ascending = !ascending;
+  std::ranges::sort(steps, [&](const Step& a, const Step& b) {
+    if (a.key != b.key) return (a.key < b.key) == ascending;
+    return a.position < b.position;
+  });
+  for (const auto& step : steps) {
+    if (auto ok = apply(step.key, step.delta, step.position); !ok) return ok;
+  }
+  for (const auto* scan : scans) {
+    for (const auto& [key, bytes] : scan->deltas) {
+      changes.push_back({key, ++versions.at(key), bytes});
+    }
+    marks[{scan->source, scan->session}] = scan->seq;
+  }
+  counts.scans_applied += scans.size();
   return {};
 }
 
@@ -168,16 +199,15 @@ Result<std::vector<TileChange>> Atlas::State::commit(std::span<const ShardScan> 
   if (auto ok = make_room(); !ok) return pass_on(ok);
   auto versions = current_versions(*fresh);
   if (!versions) return pass_on(versions);
-  auto first = append(*fresh, std::move(*versions));
+  auto first = append(*fresh, *versions);
   if (!first) {
     const auto code = first.error().code;
     if (code != ErrorCode::kUnknown && code != ErrorCode::kIo) return pass_on(first);
     return read_back(*fresh, std::move(first.error()));
   }
   auto changes = std::exchange(unreported, {});
-  for (std::size_t i = 0; i < fresh->size(); ++i) {
-    auto applied = apply(*(*fresh)[i], *first + i, changes);
-    if (!applied) return read_back(*fresh, std::move(applied.error()));
+  if (auto applied = apply_all(*fresh, *first, std::move(*versions), changes); !applied) {
+    return read_back(*fresh, std::move(applied.error()));
   }
   reported = journal.last();
   if (auto ok = keep_journal(); !ok) say_behind(ok.error());

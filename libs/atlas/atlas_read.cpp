@@ -29,21 +29,6 @@ Result<CachedTile*> Atlas::State::load(TileKey key) {
   return &tile;
 }
 
-Status Atlas::State::load_all(std::span<const TileKey> keys, Versions& versions) {
-  counts.cache_misses += keys.size();
-  auto found = store.multi_get(shard, keys);
-  if (!found) return pass_on(found);
-  for (const auto& stored : *found) {
-    if (!stored) continue;
-    versions[stored->key] = stored->version;
-    auto tree = decode_stored(*stored);
-    if (!tree) return pass_on(tree);
-    cache.insert(stored->key, std::move(*tree), stored->version);
-    if (auto ok = keep_budget(stored->key); !ok) return ok;
-  }
-  return {};
-}
-
 Result<EncodedTile> Atlas::State::encoded(TileKey key, int depth) {
   const auto* cached = cache.peek(key);
   if (cached != nullptr && cached->dirty()) {

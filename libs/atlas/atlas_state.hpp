@@ -52,6 +52,8 @@ struct Atlas::State {
   JournalPosition reported = std::numeric_limits<JournalPosition>::max();
   std::vector<TileChange> unreported;
 
+  bool ascending = false;  ///< The order of tiles in which the last commit was applied.
+
   RestedTiles rested;
   std::optional<TileKey> rest_cursor;  ///< Stored tiles from here on were not looked at yet.
 
@@ -73,7 +75,9 @@ struct Atlas::State {
   Result<Versions> current_versions(const std::vector<const ShardScan*>& scans);
   Status make_room();
   Result<JournalPosition> append(const std::vector<const ShardScan*>& scans, Versions versions);
-  Status apply(const ShardScan& scan, JournalPosition position, std::vector<TileChange>& changes);
+  Status apply_all(const std::vector<const ShardScan*>& scans, JournalPosition first,
+                   Versions versions, std::vector<TileChange>& changes);
+  Status apply(TileKey key, ByteView bytes, JournalPosition position);
   Result<std::vector<TileChange>> read_back(const std::vector<const ShardScan*>& scans,
                                             Error error);
 
@@ -91,8 +95,6 @@ struct Atlas::State {
   /// The tile, read where it is not in memory; nullptr where never written. Stays until the next
   /// load or write.
   Result<CachedTile*> load(TileKey key);
-  /// The same for several that are not in memory, in one read.
-  Status load_all(std::span<const TileKey> keys, Versions& versions);
   Result<TileTree> decode_stored(const StoredTile& stored) const;
   Result<EncodedTile> encoded(TileKey key, int depth);
   Result<std::vector<TileInfo>> list(TileKey from, std::size_t limit);
