@@ -6,6 +6,7 @@ Each test must end with the hashes and versions that an embedded model had undis
 
 import json
 import os
+import re
 import signal
 import subprocess
 import time
@@ -85,6 +86,15 @@ class RadosFaults(PublishTest):
 
         self.publish_on_the_cluster(in_turn)
 
+    def test_the_monitor_is_killed(self):
+        def gone(_, publish, updates):
+            self.wait_for_updates(updates, UPDATES_BEFORE_A_FAULT, publish)
+            self.cluster.kill("mon.a")
+            self.wait_for_updates(updates, UPDATES_BETWEEN, publish)
+            self.cluster.revive("mon.a")
+
+        self.publish_on_the_cluster(gone)
+
     def test_all_daemons_are_killed_at_once(self):
         def all_at_once(services, publish, updates):
             self.wait_for_updates(updates, UPDATES_BEFORE_A_FAULT, publish)
@@ -116,6 +126,18 @@ class RadosFaults(PublishTest):
 
         self.publish_on_the_cluster(slow)
         self.cluster.wait_until_up(self.cluster.osds)
+
+    def test_a_full_osd_is_waited_for_and_said_so(self):
+        def full(services, publish, updates):
+            self.wait_for_updates(updates, UPDATES_BEFORE_A_FAULT, publish)
+            self.cluster.set_full(True)
+            try:
+                self.wait_for_state(services, "waiting for the store")
+                self.assertIsNone(publish.poll())
+            finally:
+                self.cluster.set_full(False)
+
+        self.publish_on_the_cluster(full)
 
     @unittest.skipUnless(harness.multicast_here() and os.geteuid() == 0,
                          "no network namespace of its own: no nftables")
@@ -225,6 +247,32 @@ class RadosFaults(PublishTest):
         with ServiceSet(self.folder / "logs", **self.SET, store=there) as services:
             services.run("publish", self.drive, "--poses", "poses.txt", quiet=True)
             self.assertEqual(tile_hashes(services), self.undisturbed)
+
+    def test_a_copy_that_is_killed_is_no_model_and_goes_on(self):
+        with ServiceSet(self.folder / "first", **self.SET) as services:
+            services.run("publish", self.drive, "--poses", "poses.txt", quiet=True)
+        self.cluster.slow_down(True)  # So that it is killed in the middle.
+        self.addCleanup(self.cluster.slow_down, False)
+        command = [ServiceSet("unused").bin_dir / "voxatlas", "store", "copy",
+                   self.folder / "first", self.place]
+        copy = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+                                stderr=subprocess.DEVNULL)
+        self.addCleanup(copy.wait)
+        self.addCleanup(copy.kill)
+        end = time.monotonic() + ceph.PATIENCE
+        while not self.cluster.objects(self._testMethodName, "region-"):
+            self.assertIsNone(copy.poll(), "the copy was over before it was killed")
+            self.assertLess(time.monotonic(), end, "the copy wrote nothing")
+        copy.kill()
+        copy.wait()
+        self.cluster.slow_down(False)
+        refused = self.voxatlas("store", "verify", "--store", self.place)
+        self.assertIn("unfinished copy", refused.stderr)
+        again = self.voxatlas("store", "copy", self.folder / "first", self.place)
+        self.assertEqual(again.returncode, 0, again.stderr)
+        tiles, now = map(int, re.search(r"(\d+) tiles, (\d+) of them", again.stdout).groups())
+        self.assertLess(now, tiles)
+        self.assertEqual(self.hashes_of(self.place), self.undisturbed)
 
 
 if __name__ == "__main__":

@@ -124,6 +124,23 @@ class Cluster:
             self.start_daemon(name)
         self.wait_until_up(self.osds)
 
+    def slow_down(self, slow):
+        """Whether each OSD waits 0.1 s before each message it handles."""
+        for number in range(self.osds):
+            self.ceph("tell", f"osd.{number}", "config", "set",
+                      "osd_debug_inject_dispatch_delay_probability", "1" if slow else "0")
+
+    def set_full(self, full):
+        """Whether the cluster calls its disks full, however empty they are."""
+        ratios = [("nearfull", 1e-7, .97), ("backfillfull", 2e-7, .98), ("full", 3e-7, .99)]
+        for name, low, normal in ratios if full else reversed(ratios):
+            self.ceph("osd", f"set-{name}-ratio", str(low if full else normal))
+
+    def objects(self, model, prefix):
+        """Names of a model's objects that begin so."""
+        listed = self._run("rados", "-c", self.conf, "-p", POOL, "-N", model, "ls")
+        return [name for name in listed.splitlines() if name.startswith(prefix)]
+
     def store(self, model):
         """What --store takes."""
         return f"rados:{self.conf},{POOL},{model}"
