@@ -18,9 +18,8 @@ inline constexpr std::size_t kMaskBytes = kBrickVoxels / 8;
 
 /// The log-odds of a tile as the fast codec writes them, but for the palette, which is known only
 /// when all has been read: one pass over the bricks. What is what: FORMAT.md, "fast".
-/// Cost: mostly that of each brick's commonest content, which takes a comparison a voxel, in
-/// vectors,
-///       for each of the few contents that are common in it, and of its exceptions, one by one.
+/// Cost: mostly a comparison a voxel, in vectors, for each of the few contents that are common in a
+///       brick, to find the commonest; then its exceptions, one by one.
 struct FastContent {
   Bytes kinds = Bytes(kBricks);     ///< Pyramid::Kind of every slot.
   std::vector<Content> ground;      ///< Of every slot that is not empty.
