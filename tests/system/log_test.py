@@ -16,7 +16,10 @@ from service_set import ServiceSet, default_bin_dir
 SCANS = 3
 POINTS_A_PART = 3900
 # Between two parts, so that a receiver with a default buffer keeps up while it is played.
-PACE_US = 10_000
+PACE_US = 30_000
+# The recorder is a plain subscriber: on a busy machine it loses a part now and then, and says nothing.
+RECORDINGS = 6
+RECORDING_SECONDS = 10
 EVENT_HEAD = struct.Struct(">Iqqii")
 PATIENCE_SECONDS = 60
 
@@ -79,13 +82,14 @@ def clouds_of(folder, pose_t, pointcloud_t, count):
         yield b"CLOUD", cloud
 
 
-def wait_until(fact, what):
-    """For what only a file tells of."""
-    end = time.monotonic() + PATIENCE_SECONDS
+def comes_within(seconds, fact):
+    """Whether a fact that only a file tells of came to be."""
+    end = time.monotonic() + seconds
     while not fact():
         if time.monotonic() > end:
-            raise AssertionError(f"{what} did not come within {PATIENCE_SECONDS} s")
+            return False
         time.sleep(0.02)
+    return True
 
 
 def channels_in(log):
@@ -163,23 +167,32 @@ class Log(harness.SystemTest):
                                    "--flush-interval=20", file], stdin=subprocess.DEVNULL)
         self.addCleanup(logger.wait)
         self.addCleanup(logger.kill)
-        wait_until(lambda: file.exists() and file.stat().st_size > 0, "the first event")
+        self.assertTrue(comes_within(
+            PATIENCE_SECONDS, lambda: file.exists() and file.stat().st_size > 0))
         return logger
 
-    def test_what_lcm_logger_recorded_of_the_bus_makes_the_same_model(self):
-        expected = self.hashes_after("folder", self.drive, "--poses", "poses.txt")
-        recorded = self.folder / "recorded.lcm"
-        with ServiceSet(self.folder / "heard", renders=0) as services:
+    def recording(self, name):
+        """What lcm-logger wrote down while the log was played to a new set, whole or not."""
+        recorded, played = self.folder / f"{name}.lcm", channels_in(self.log)["VOXATLAS_SCAN"]
+        with ServiceSet(self.folder / name, renders=0) as services:
             logger = self.record(services, recorded)
             subprocess.run(["lcm-logplayer", f"--lcm-url={services.bus.url}", self.log],
                            check=True, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
-            played = channels_in(self.log)["VOXATLAS_SCAN"]
-            wait_until(lambda: channels_in(recorded)["VOXATLAS_SCAN"] >= played and
-                       channels_in(recorded)["VOXATLAS_TILE_UPDATE"] > 0, "all that was played")
+            whole = comes_within(RECORDING_SECONDS, lambda: (
+                channels_in(recorded)["VOXATLAS_SCAN"] == played and
+                channels_in(recorded)["VOXATLAS_TILE_UPDATE"] > 0))
             logger.send_signal(signal.SIGINT)
             self.assertEqual(logger.wait(PATIENCE_SECONDS), 0)
+        return recorded, whole
+
+    def test_what_lcm_logger_recorded_of_the_bus_makes_the_same_model(self):
+        expected = self.hashes_after("folder", self.drive, "--poses", "poses.txt")
+        for attempt in range(RECORDINGS):
+            recorded, whole = self.recording(f"heard{attempt}")
+            if whole:
+                break
+        self.assertTrue(whole, f"none of {RECORDINGS} recordings heard all that was played")
         heard = channels_in(recorded)
-        self.assertEqual(heard["VOXATLAS_SCAN"], played)
         for channel in ("VOXATLAS_STATUS", "VOXATLAS_TILE_UPDATE", "VOXATLAS_ACK"):
             self.assertGreater(heard[channel], 0, heard)
         self.assertEqual(self.hashes_after("again", recorded), expected)
