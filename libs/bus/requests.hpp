@@ -44,8 +44,8 @@ class StoreClient {
   };
   /// Fetches many tiles, several questions under way at once (bounded by the receive buffer),
   /// `arrived` called for each as it completes. `depth`: 7 the tiles as they are, 0..6 cut there,
-  /// which takes fewer bytes. Errors: kUnavailable if some did not come; those that did have been
-  /// handed over.
+  /// which takes fewer bytes. `timeout_us`: where no tile came for so long, that is the end.
+  /// Errors: kUnavailable if some did not come; those that did have been handed over.
   Status fetch(const std::vector<std::pair<std::int32_t, std::int64_t>>& shard_and_tile,
                std::int64_t timeout_us, const std::function<void(FetchedTile)>& arrived,
                int depth = 7);

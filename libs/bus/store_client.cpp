@@ -205,7 +205,7 @@ Status StoreClient::fetch(const std::vector<std::pair<std::int32_t, std::int64_t
   if (!buffer) return pass_on(buffer);
   const auto at_once = static_cast<std::size_t>(std::clamp<std::int64_t>(
       static_cast<std::int64_t>(*buffer / buffer_cost(kReplyBytes)), 1, kMostAtOnce));
-  const auto deadline = steady_utime() + timeout_us;
+  auto deadline = steady_utime() + timeout_us;
   std::map<std::int64_t, Fetch> under_way;  // By the id of its last question.
   std::size_t begun = 0;
   Status status;
@@ -234,6 +234,7 @@ Status StoreClient::fetch(const std::vector<std::pair<std::int32_t, std::int64_t
       it = state.tiles.erase(it);
       if (reply.tile == fetch.tile.tile) take_range(fetch, reply);
       if (is_whole(fetch)) {
+        deadline = steady_utime() + timeout_us;
         arrived(std::move(fetch.tile));
       } else {
         under_way.emplace(++state.last_id, std::move(fetch));
@@ -245,7 +246,7 @@ Status StoreClient::fetch(const std::vector<std::pair<std::int32_t, std::int64_t
   const auto missing = under_way.size() + shard_and_tile.size() - begun;
   if (missing == 0) return {};
   return fail(ErrorCode::kUnavailable,
-              fmt::format("{} of {} tiles did not come within {:.1f} s", missing,
+              fmt::format("{} of {} tiles are missing: none came for {:.1f} s", missing,
                           shard_and_tile.size(), static_cast<double>(timeout_us) / 1e6));
 }
 

@@ -9,6 +9,7 @@
 
 #include "cli/camera_track.hpp"
 #include "cli/place_text.hpp"
+#include "cli/progress.hpp"
 #include "codec/tile_codec.hpp"
 #include "geodesy/enu_frame.hpp"
 #include "grid/region_key.hpp"
@@ -36,7 +37,10 @@ Result<std::vector<TileWeight>> weigh_tiles(ModelClient& client) {
   const Grid grid = client.parameters().grid();
   std::vector<TileWeight> weights;
   Status sound;
+  Progress progress;
+  std::size_t looked_at = 0;
   auto listed = client.for_each_tile(true, [&](const ModelClient::TileRow& row) {
+    progress.say(fmt::format("looking for the view: {} tiles", ++looked_at));
     auto key = grid.tile_from_morton(row.key);
     if (!key) {
       sound = pass_on(key);

@@ -6,7 +6,6 @@
 
 #include "base/log.hpp"
 #include "base/utime.hpp"
-#include "octree/tile_hash.hpp"
 
 namespace voxatlas {
 
@@ -17,6 +16,7 @@ constexpr std::size_t kDetailedRowBytes = 80;
 constexpr std::size_t kMaxRowsBytes = 56'000;
 constexpr std::size_t kMaxPayloadBytes = 59'000;
 constexpr std::size_t kListedAtOnce = 256;
+constexpr std::size_t kDetailedAtOnce = 4;  // Listing reads tiles, and few fit a page's time.
 constexpr std::int64_t kPatience = 50'000;  // The journal must not wait longer for one page.
 
 /// The box of a request as keys: every tile in it has a code between the two corners' codes.
@@ -55,7 +55,8 @@ std::uint32_t capped(std::uint64_t count) {
 
 }  // namespace
 
-TileQueries::TileQueries(Atlas& atlas, TileStore& store) : atlas_(atlas), store_(store) {}
+TileQueries::TileQueries(Atlas& atlas, TileStore& store)
+    : atlas_(atlas), store_(store), contents_(atlas), encodings_(atlas) {}
 
 Result<model_reply_t> TileQueries::answer(const model_request_t& request) {
   auto disk_bytes = store_.disk_bytes();
@@ -105,7 +106,7 @@ Result<tiles_reply_t> TileQueries::answer(const tiles_request_t& request) {
   for (bool room = true; room && from <= last_code;) {
     auto first = TileKey::from_morton(from);
     if (!first) return pass_on(first);
-    auto listed = atlas_.list(*first, kListedAtOnce);
+    auto listed = atlas_.list(*first, details ? kDetailedAtOnce : kListedAtOnce);
     if (!listed) return pass_on(listed);
     if (listed->empty()) from = last_code + 1;
     for (const TileInfo& tile : *listed) {
@@ -130,11 +131,11 @@ Status TileQueries::add_row(const TileInfo& tile, bool details, Bytes& rows) {
   if (!details) return {};
   auto encoded = atlas_.encoded(tile.key);
   if (!encoded) return pass_on(encoded);
-  auto current = atlas_.tile(tile.key);
-  if (!current) return pass_on(current);
-  const auto counts = current->tree->counts();
-  writer.put_bytes(tile_hash(tile.key, *current->tree));
+  auto contents = contents_.of(tile);
+  if (!contents) return pass_on(contents);
+  writer.put_bytes(contents->hash);
   writer.put(capped(encoded->bytes.size()));
+  const auto& counts = contents->counts;
   for (const std::uint64_t count : {counts.leaves, counts.occupied_leaves, counts.free_leaves,
                                     counts.occupied_voxels, counts.free_voxels}) {
     writer.put(capped(count));
@@ -154,13 +155,13 @@ Result<tile_reply_t> TileQueries::answer(const tile_request_t& request) {
   if (request.depth < 0 || request.depth > kDepth) {
     return fail(ErrorCode::kOutOfRange, fmt::format("tile_request_t: depth {}", request.depth));
   }
-  auto encoded = atlas_.encoded(*key, request.depth);
-  if (!encoded && encoded.error().code == ErrorCode::kNotFound) return reply;  // Version 0.
-  if (!encoded) return pass_on(encoded);
-  const auto total = encoded->bytes.size();
   if (request.offset < 0) {
     return fail(ErrorCode::kOutOfRange, fmt::format("tile_request_t: offset {}", request.offset));
   }
+  auto encoded = encodings_.of(*key, request.depth, request.offset > 0);
+  if (!encoded && encoded.error().code == ErrorCode::kNotFound) return reply;  // Version 0.
+  if (!encoded) return pass_on(encoded);
+  const auto total = encoded->bytes.size();
   // Beyond the end is no error: the tile may have shrunk since the range before, and the asker
   // sees by the version and the offset that it did.
   const auto offset = std::min(static_cast<std::size_t>(request.offset), total);
@@ -171,6 +172,7 @@ Result<tile_reply_t> TileQueries::answer(const tile_request_t& request) {
       ByteView(encoded->bytes).subspan(offset, std::min(total - offset, kMaxPayloadBytes));
   reply.payload.assign(payload.begin(), payload.end());
   reply.size = static_cast<std::int32_t>(reply.payload.size());
+  if (offset + payload.size() < total) encodings_.keep(std::move(*encoded), request.depth);
   return reply;
 }
 

@@ -7,6 +7,8 @@
 #include "bus/wire.hpp"
 #include "store/tile_store.hpp"
 #include "tilestore/source_claims.hpp"
+#include "tilestore/tile_contents.hpp"
+#include "tilestore/tile_encodings.hpp"
 
 namespace voxatlas {
 
@@ -33,6 +35,8 @@ class TileQueries {
 
   Atlas& atlas_;
   TileStore& store_;
+  TileContents contents_;
+  TileEncodings encodings_;
   SourceClaims claims_;
   std::uint64_t marks_regressed_ = 0;
 };

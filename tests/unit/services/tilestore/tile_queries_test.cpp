@@ -108,6 +108,59 @@ TEST_CASE("a large tile comes whole in ranges", "[tilestore]") {
   REQUIRE(decode_tile(bytes).value() == *atlas->tile(key)->tree);
 }
 
+/// One hit more in the tile at the corner.
+void change(Atlas& atlas) {
+  TileDelta delta;
+  delta.hits.insert({7, 1'234'567});
+  ShardScan scan{"car", 9, atlas.mark("car", 9) + 1, {}};
+  scan.deltas.emplace_back(TileKey::from_index({kCorner, kCorner, kCorner}).value(), Bytes{});
+  encode_delta(delta, scan.deltas[0].second);
+  REQUIRE(atlas.commit({&scan, 1}).has_value());
+}
+
+TEST_CASE("ranges that were begun are of one version, whatever is written between them",
+          "[tilestore]") {
+  MemoryStore store;
+  auto atlas = model(store, 1, 200'000);
+  TileQueries queries(*atlas, store);
+  const auto key = TileKey::from_index({kCorner, kCorner, kCorner}).value();
+  const TileTree before = *atlas->tile(key)->tree;
+  tile_request_t request{};
+  request.tile = static_cast<std::int64_t>(key.morton());
+  request.depth = kDepth;
+  Bytes bytes;
+  for (int ranges = 0; ranges < 1'000; ++ranges) {
+    request.offset = static_cast<std::int32_t>(bytes.size());
+    const auto reply = queries.answer(request);
+    REQUIRE(reply->version == 1);
+    bytes.insert(bytes.end(), reply->payload.begin(), reply->payload.end());
+    if (bytes.size() == static_cast<std::size_t>(reply->total)) break;
+    change(*atlas);
+  }
+  REQUIRE(decode_tile(bytes).value() == before);
+  request.offset = 0;
+  const auto version = queries.answer(request)->version;
+  REQUIRE(version > 1);
+  REQUIRE(version == static_cast<std::int64_t>(atlas->tile(key)->version));
+}
+
+TEST_CASE("the figures of a tile are those of its version", "[tilestore]") {
+  MemoryStore store;
+  auto atlas = model(store, 2, 10);
+  TileQueries queries(*atlas, store);
+  auto request = everything();
+  request.details = 1;
+  const auto before = queries.answer(request)->rows;
+  REQUIRE(queries.answer(request)->rows == before);
+  change(*atlas);
+  const auto after = queries.answer(request)->rows;
+  const auto key = TileKey::from_index({kCorner, kCorner, kCorner}).value();
+  const auto hash = tile_hash(key, *atlas->tile(key)->tree);
+  REQUIRE(std::equal(hash.begin(), hash.end(), after.begin() + 16));
+  REQUIRE_FALSE(std::equal(hash.begin(), hash.end(), before.begin() + 16));
+  REQUIRE(std::equal(before.begin() + 80, before.end(), after.begin() + 80));
+}
+
 TEST_CASE("a tile can be asked for at any depth, in ever fewer bytes, written or not",
           "[tilestore][oracle]") {
   MemoryStore store;
