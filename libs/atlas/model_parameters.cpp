@@ -7,8 +7,9 @@
 
 namespace voxatlas {
 
-/// First byte of the encoding.
-static constexpr std::uint8_t kVersion = 1;
+/// First byte of the encoding: 1 has no all_rays_free, every ray does. What it can tell is still
+/// written with it, so that older programs read it and parameters_id() stays.
+static constexpr std::uint8_t kVersion = 2;
 
 Status ModelParameters::check() const {
   if (auto made = Grid::create(cells_per_metre); !made) return pass_on(made);
@@ -32,7 +33,8 @@ Grid ModelParameters::grid() const {
 Bytes encode_parameters(const ModelParameters& parameters) {
   Bytes bytes;
   ByteWriter out(bytes);
-  out.put(kVersion);
+  const bool all_rays_free = parameters.integration.all_rays_free;
+  out.put(all_rays_free ? std::uint8_t{1} : kVersion);
   out.put(static_cast<std::int32_t>(parameters.cells_per_metre));
   out.put(parameters.sensor.hit);
   out.put(parameters.sensor.miss);
@@ -43,6 +45,7 @@ Bytes encode_parameters(const ModelParameters& parameters) {
   out.put(parameters.integration.min_range);
   out.put(parameters.integration.max_range);
   out.put(parameters.shards);
+  if (!all_rays_free) out.put(std::uint8_t{0});
   return bytes;
 }
 
@@ -65,7 +68,9 @@ Result<ModelParameters> decode_parameters(ByteView bytes) {
   parameters.integration.min_range = in.get<double>();
   parameters.integration.max_range = in.get<double>();
   parameters.shards = in.get<std::uint32_t>();
-  if (!in.at_end() || version == 0) {
+  const auto all_rays_free = version < 2 ? std::uint8_t{1} : in.get<std::uint8_t>();
+  parameters.integration.all_rays_free = all_rays_free == 1;
+  if (!in.at_end() || version == 0 || all_rays_free > 1) {
     return fail(ErrorCode::kCorrupt,
                 fmt::format("model parameters: {} bytes do not parse", bytes.size()));
   }
@@ -102,6 +107,7 @@ std::string describe_difference(const ModelParameters& have, const ModelParamete
   compare("surface_depth", have.integration.surface_depth, want.integration.surface_depth);
   compare("min_range", have.integration.min_range, want.integration.min_range);
   compare("max_range", have.integration.max_range, want.integration.max_range);
+  compare("all_rays_free", have.integration.all_rays_free, want.integration.all_rays_free);
   compare("shards", have.shards, want.shards);
   return text;
 }

@@ -9,6 +9,7 @@
 #include "integrate/carve.hpp"
 #include "integrate/colour_means.hpp"
 #include "integrate/fold.hpp"
+#include "integrate/free_rays.hpp"
 #include "integrate/marks.hpp"
 #include "integrate/quality.hpp"
 
@@ -136,22 +137,25 @@ IntegrationCounts Integrator::State::mark(const Scan& scan) {
             : set_mark(hits, VoxelIndex(voxel.unaryExpr([&](int at) { return at >> hit_shift; })));
     if (!scan.colours.empty()) seen.push_back({place, scan.colours[i]});
   };
-  const auto miss = [&](const Eigen::Vector3d& end_ecef) {
-    if (carves) carve(origin * scale, grid.to_voxels(end_ecef) * scale, rays);
+  const int coarser = parameters.all_rays_free ? 0 : std::max(0, hits.depth() - misses.depth());
+  const FreeRays free_rays(scan.utime, coarser);
+  const auto miss = [&](const Eigen::Vector3d& endpoint_ecef, const Eigen::Vector3d& end_ecef) {
+    if (!carves || !free_rays.has(endpoint_ecef)) return;
+    carve(origin * scale, grid.to_voxels(end_ecef) * scale, rays);
   };
   const SureHits sure(grid, scan.origin_ecef, min_range, parameters.max_range);
   for (std::size_t i = 0; i < scan.endpoints_ecef.size(); ++i) {
     const Eigen::Vector3d& end_ecef = scan.endpoints_ecef[i];
     if (sure.has(end_ecef)) {
       hit(grid.voxel_unchecked(end_ecef), i);
-      miss(end_ecef);
+      miss(end_ecef, end_ecef);
       count(counts, Ray::kHit);
       continue;
     }
     const auto ray = classify(grid, scan.origin_ecef, end_ecef, min_range, parameters.max_range);
     count(counts, ray.kind);
     if (ray.kind == Ray::kHit) hit(ray.end_voxel, i);
-    if (ray.kind == Ray::kHit || ray.kind == Ray::kBeyondMax) miss(ray.end_ecef);
+    if (ray.kind == Ray::kHit || ray.kind == Ray::kBeyondMax) miss(end_ecef, ray.end_ecef);
   }
   rays.merge();
   if (scale != 1) add_cells(carved, misses);

@@ -21,6 +21,8 @@ struct IntegrationParameters {
   int surface_depth = kDepth;  ///< No hit goes deeper than this, 0..7.
   double min_range = 0;        ///< Metres; rays that end nearer are dropped. 0: none are.
   double max_range = 120;      ///< Metres, at most 1000; beyond it a ray only frees, up to it.
+  bool all_rays_free = false;  ///< As in the paper; else only some where free space is coarser than
+                               ///< hits (free_rays.hpp), so that less of what is there is erased.
 
   /// Errors: kOutOfRange, naming the value that is not as above (max_range > min_range >= 0).
   Status check() const;
@@ -52,7 +54,8 @@ struct ScanDelta {
 /// Source:  the paper's sections 4.1 and 4.2; DESIGN section 4, every rule of it.
 /// Rules:   hits at depth min(eq. (5), surface_depth); misses at min(free_depth, eq. (5)). Per scan
 ///          every cell counts once, hits win, also across tile borders. A miss cell that equals,
-///          contains or lies inside a hit cell is dropped. The origin's cell is a miss; beyond
+///          contains or lies inside a hit cell is dropped. Coarse misses come of a part of the rays
+///          alone (free_rays.hpp) unless all_rays_free. The origin's cell is a miss; beyond
 ///          max_range the cut ray's end cell is left alone. A cell's colour is the mean, rounded to
 ///          nearest, of its coloured points.
 /// Result:  depends on nothing but the scan and the parameters: the same bytes anywhere.

@@ -47,6 +47,7 @@ JsonObject describe(const ModelParameters& parameters) {
   json.add("cells_per_metre", std::int64_t{parameters.cells_per_metre})
       .add("shards", std::int64_t{parameters.shards})
       .add("free_depth", std::int64_t{parameters.integration.free_depth})
+      .add("all_rays_free", std::int64_t{parameters.integration.all_rays_free})
       .add("surface_depth", std::int64_t{parameters.integration.surface_depth})
       .add("min_range", parameters.integration.min_range)
       .add("max_range", parameters.integration.max_range)
@@ -87,6 +88,7 @@ void print_table(const Sums& sums, const ModelClient& client) {
   line("shards", parameters.shards, "");
   line("cell", fmt::format("{:.3g}", 1.0 / parameters.cells_per_metre), "m");
   line("free space at depth", parameters.integration.free_depth, "(-1: none)");
+  line("rays that free", parameters.integration.all_rays_free ? "all" : "by width", "");
   line("longest ray", parameters.integration.max_range, "m");
 }
 

@@ -5,9 +5,8 @@
 namespace voxatlas {
 
 std::list<TileEncodings::Kept>::iterator TileEncodings::find(TileKey key, int depth) {
-  return std::ranges::find_if(kept_, [&](const Kept& kept) {
-    return kept.encoded.key == key && kept.depth == depth;
-  });
+  return std::ranges::find_if(
+      kept_, [&](const Kept& kept) { return kept.encoded.key == key && kept.depth == depth; });
 }
 
 Result<EncodedTile> TileEncodings::of(TileKey key, int depth, bool goes_on) {

@@ -10,6 +10,7 @@ Result<ModelParameters> apply_options(const ModelOptions& options, std::int32_t 
   auto& integration = result.integration;
   integration.free_depth = options.free_depth.value_or(integration.free_depth);
   integration.surface_depth = options.surface_depth.value_or(integration.surface_depth);
+  integration.all_rays_free = options.all_rays_free.value_or(integration.all_rays_free);
   integration.min_range = options.min_range.value_or(integration.min_range);
   integration.max_range = options.max_range.value_or(integration.max_range);
   const auto set = [](const std::optional<double>& probability, LogOdds& value) -> Status {

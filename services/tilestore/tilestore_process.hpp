@@ -14,6 +14,7 @@ namespace voxatlas {
 /// What a person may say of a model; what is not said is the stored model's, or the default.
 struct ModelOptions {
   std::optional<int> cells_per_metre, free_depth, surface_depth;
+  std::optional<bool> all_rays_free;
   std::optional<double> min_range, max_range;
   std::optional<double> hit, miss, clamp_min, clamp_max;  ///< Probabilities.
 };

@@ -25,7 +25,9 @@ sys.path.insert(0, str(ROOT / "scripts" / "lib"))
 import drives  # noqa: E402
 from service_set import ServiceSet, default_bin_dir  # noqa: E402
 
-CASES = {"free80": 4, "carve10": 7}  # Depth of free space.
+CASES = {"free80": ["--free-depth", 4, "--all-rays-free", "true"],
+         "sampled80": ["--free-depth", 4],  # By one ray in 64, the default.
+         "carve10": ["--free-depth", 7]}
 LEAST = {"free80_rays_per_s": 1e6, "carve10_rays_per_s": 0.5e6, "carve10_vs_octomap_inprocess": 20}
 CITIES_APART_DEG = 1.0
 
@@ -113,12 +115,12 @@ def lost_scans(model, folders, scans):
     return scans - found
 
 
-def measure(folders, scans, depth, options, stores):
+def measure(folders, scans, how, options, stores):
     """One run of the set: its rate, lost scans, processor time and bytes."""
     with tempfile.TemporaryDirectory(prefix="voxatlas-bench-") as place:
         model = pathlib.Path(place)
         with ServiceSet(model, stores=stores, ingests=options.ingest, renders=0,
-                        store_options=["--free-depth", depth]) as services:
+                        store_options=how) as services:
             multicast = services.bus.url.startswith("udpm:") and os.geteuid() == 0
             channels = ChannelBytes(max(stores, options.ingest)) if multicast else None
             before, children = cpu_seconds(services), children_cpu_seconds()
@@ -141,10 +143,10 @@ def add_details(lines, name, result):
 def run_cases(lines, folder, scans, options):
     lost = 0
     rates = {}
-    for name, depth in CASES.items():
+    for name, how in CASES.items():
         if options.only not in (None, name):
             continue
-        result = measure([folder], scans, depth, options, options.stores)
+        result = measure([folder], scans, how, options, options.stores)
         rates[name] = result["rays"] / result["seconds"]
         lost += result["lost"]
         lines.add(f"{name}_rays_per_s", rates[name], "rays/s")

@@ -101,7 +101,7 @@ void add_case(std::vector<Line>& lines, const std::string& name, const std::stri
 std::vector<Line> run(const std::vector<Scan>& scans, const Options& options) {
   const IntegrationParameters carve100{kDepth, kDepth, 0, 100}, carve30{kDepth, kDepth, 0, 30};
   const IntegrationParameters surface{IntegrationParameters::kNoFreeSpace, kDepth, 0, 100};
-  const IntegrationParameters free80{kBrickDepth, kDepth, 0, 100};
+  const IntegrationParameters free80{kBrickDepth, kDepth, 0, 100, true};
   const double seconds = options.octomap_seconds;
   std::vector<Line> lines;
 

@@ -52,7 +52,7 @@ void run(const std::vector<Scan>& scans) {
   fmt::print("scans {} scans\nrays {} rays\n", scans.size(), rays);
   const std::pair<const char*, int> cases[] = {{"free80", kBrickDepth}, {"free10", kDepth}};
   for (const auto& [name, depth] : cases) {
-    const IntegrationParameters how{depth, kDepth, 0, 120};
+    const IntegrationParameters how{depth, kDepth, 0, 120, true};
     const auto measure = [&](const std::string& strategy, const auto& work) {
       print(std::string(name) + "_" + strategy, in_child(work), rays);
     };

@@ -21,6 +21,8 @@ void print(const char* rule, const Quality& quality) {
   };
   line("recall", quality.recall, "share");
   line("poles", quality.poles, "share");
+  line("kept", quality.kept, "share");
+  line("kept_poles", quality.kept_poles, "share");
   line("cleared_9", quality.cleared_9, "share");
   line("cleared_any", quality.cleared_any, "share");
   line("precision", quality.precision, "share");
@@ -42,7 +44,10 @@ void run(std::size_t scans, const std::string& only) {
   Truth truth(city);
   std::vector<Rule> rules;
   for (std::size_t i = 0; i < Rule::kNames.size(); ++i) {
-    if (only.empty() || only == Rule::kNames[i]) rules.emplace_back(static_cast<Rule::Kind>(i));
+    const auto kind = static_cast<Rule::Kind>(i);
+    if (only.empty() || only == Rule::kNames[i] || kind == Rule::Kind::kSurface) {
+      rules.emplace_back(kind);
+    }
   }
   for (std::size_t i = 0; i < scans; ++i) {
     truth.add(to_scan(exact_drive.simulate(i), kSigma, 0), drive.instant(i));
@@ -51,7 +56,8 @@ void run(std::size_t scans, const std::string& only) {
   }
   fmt::print("scans {} scans\n", scans);
   for (const Rule& rule : rules) {
-    print(rule.name(), compare(rule.tiles(), truth, city, drive.instant(scans - 1)));
+    print(rule.name(),
+          compare(rule.tiles(), rules.back().tiles(), truth, city, drive.instant(scans - 1)));
   }
 }
 
@@ -65,7 +71,7 @@ int main(int argc, char** argv) {
   app.add_option("--scans", scans, "of the drive")
       ->capture_default_str()
       ->check(CLI::Range(1, 100'000));
-  app.add_option("--only", only, "one rule: default, pushed, carve, surface");
+  app.add_option("--only", only, "one rule beside surface: default, all_rays, pushed, carve");
   CLI11_PARSE(app, argc, argv);
   try {
     voxatlas::bench::run(scans, only);

@@ -51,12 +51,14 @@ class Truth {
 class Rule {
  public:
   enum class Kind {
-    kDefault,  ///< 80 cm; a coarse cell with a hit of the same scan in it is left alone.
+    kDefault,  ///< 80 cm, by one ray in 64; a coarse cell with a hit of the same scan is left
+               ///< alone.
+    kAllRays,  ///< 80 cm, by every ray, likewise.
     kPushed,   ///< 80 cm; every coarse cell a ray passes lowers all that is in it.
     kCarve,    ///< 10 cm.
     kSurface,  ///< None.
   };
-  static constexpr std::array kNames = {"default", "pushed", "carve", "surface"};
+  static constexpr std::array kNames = {"default", "all_rays", "pushed", "carve", "surface"};
 
   explicit Rule(Kind kind);
   const char* name() const { return kNames[static_cast<std::size_t>(kind_)]; }
@@ -75,6 +77,8 @@ class Rule {
 struct Quality {
   double recall = 0;       ///< Occupied, of the voxels of things that never move.
   double poles = 0;        ///< The same of lamps' and signs' poles alone.
+  double kept = 0;         ///< Occupied, of those static voxels that are so without free space:
+  double kept_poles = 0;   ///< what noise has moved to the next voxel no rule could keep.
   double cleared_9 = 0;    ///< Not occupied, of voxels whose vehicle has left and that at least 9
                            ///< later scans see through: so many bring the upper clamp below 0,
   double cleared_any = 0;  ///< and of those that any later scan sees through.
@@ -83,7 +87,8 @@ struct Quality {
   double occupied = 0, statics = 0, pole_voxels = 0, trail_9 = 0, trail_any = 0;  ///< Of how many.
 };
 
-/// `end`: the city as the last scan met it.
-Quality compare(const Tiles& tiles, const Truth& truth, const City& city, const Instant& end);
+/// `surface`: the model without free space. `end`: the city as the last scan met it.
+Quality compare(const Tiles& tiles, const Tiles& surface, const Truth& truth, const City& city,
+                const Instant& end);
 
 }  // namespace voxatlas::bench

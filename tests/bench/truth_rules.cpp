@@ -39,18 +39,28 @@ bool at_surface(const City& city, const Instant& when, const Eigen::Vector3d& mi
   return std::abs(when.nearest(city.to_city(middle), kSearch).distance) <= kWithinACell;
 }
 
+/// Static voxels that are occupied without free space.
+struct Shared {
+  double statics = 0, poles = 0;
+};
+
 /// The counts of recall and of what is cleared; shares are made of them at the end.
-void compare_seen(const Tiles& tiles, const Truth& truth, const City& city, const Instant& end,
-                  Quality& sums) {
+void compare_seen(const Tiles& tiles, const Tiles& surface, const Truth& truth, const City& city,
+                  const Instant& end, Quality& sums, Shared& shared) {
   for (const auto& [key, voxels] : truth.tiles()) {
     for (const auto& [code, seen] : voxels) {
       const bool full = occupied(tiles, key, code);
       if (!seen.moves) {
         sums.statics += 1;
         sums.recall += full;
+        const bool there = occupied(surface, key, code);
+        shared.statics += there;
+        sums.kept += there && full;
         if (seen.material != Material::kPole) continue;
         sums.pole_voxels += 1;
         sums.poles += full;
+        shared.poles += there;
+        sums.kept_poles += there && full;
       } else if (seen.seen_through > 0 && !at_surface(city, end, middle_of(key, code))) {
         sums.trail_any += 1;
         sums.cleared_any += !full;
@@ -83,9 +93,11 @@ void compare_occupied(const Tiles& tiles, const Truth& truth, const City& city, 
 }  // namespace
 
 Rule::Rule(Kind kind) : kind_(kind) {
-  const int depth = kind == Kind::kDefault ? kBrickDepth : kind == Kind::kCarve ? kDepth : kNone;
-  integrator_ =
-      std::make_unique<Integrator>(Grid::standard(), IntegrationParameters{depth, kDepth, 0, 120});
+  IntegrationParameters how;
+  if (kind == Kind::kAllRays) how.all_rays_free = true;
+  if (kind == Kind::kCarve) how.free_depth = kDepth;
+  if (kind == Kind::kPushed || kind == Kind::kSurface) how.free_depth = kNone;
+  integrator_ = std::make_unique<Integrator>(Grid::standard(), how);
 }
 
 /// Misses of all coarse cells that rays pass, whatever else lies in them.
@@ -122,13 +134,17 @@ void Rule::add(const Scan& noisy) {
   }
 }
 
-Quality compare(const Tiles& tiles, const Truth& truth, const City& city, const Instant& end) {
+Quality compare(const Tiles& tiles, const Tiles& surface, const Truth& truth, const City& city,
+                const Instant& end) {
   Quality sums;
-  compare_seen(tiles, truth, city, end, sums);
+  Shared shared;
+  compare_seen(tiles, surface, truth, city, end, sums, shared);
   compare_occupied(tiles, truth, city, end, sums);
   const auto share = [](double& part, double of) { part = of > 0 ? part / of : 0; };
   share(sums.recall, sums.statics);
   share(sums.poles, sums.pole_voxels);
+  share(sums.kept, shared.statics);
+  share(sums.kept_poles, shared.poles);
   share(sums.cleared_9, sums.trail_9);
   share(sums.cleared_any, sums.trail_any);
   share(sums.precision, sums.occupied);

@@ -28,12 +28,12 @@ def drive_folder(job):
     return folder
 
 
-def measure_mode(job, free_depth):
+def measure_mode(job, free_depth, all_rays_free=False):
     folder = drive_folder(job)
     model = job.work(f"model-{job.name}")
     shutil.rmtree(model, ignore_errors=True)
-    with ServiceSet(model, store_options=["--cache-mb", CACHE_MB, "--free-depth",
-                                          free_depth]) as services:
+    how = ["--free-depth", free_depth, "--all-rays-free", "true" if all_rays_free else "false"]
+    with ServiceSet(model, store_options=["--cache-mb", CACHE_MB, *how]) as services:
         profile = None
         if job.options.perf:
             profile = Profile(services, job.work(f"{job.name}.perf"))

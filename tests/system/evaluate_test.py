@@ -12,7 +12,7 @@ from support import harness
 
 PROGRAM = harness.ROOT / "tests" / "evaluation" / "evaluate.py"
 SCANS = 20
-MODES = ("surface", "free80", "carve10")
+MODES = ("surface", "free80", "sampled80", "carve10")
 
 
 class Links(html.parser.HTMLParser):
@@ -49,7 +49,7 @@ class Evaluation(harness.SystemTest):
 
     def check_report(self):
         text = (self.folder / "out" / "evaluation.md").read_text()
-        self.assertEqual(len(re.findall("^## ", text, re.M)), 16)
+        self.assertEqual(len(re.findall("^## ", text, re.M)), 17)
         links = Links()
         links.feed((self.folder / "out" / "evaluation.html").read_text())
         self.assertGreater(len(links.files), 30)
@@ -84,11 +84,12 @@ class Evaluation(harness.SystemTest):
         self.assertEqual((planet["differing"], planet["verified"]), (0, True), planet["said"])
         self.assertEqual({p["durable"] for p in planet["published"].values()}, {planet["scans"]})
         truth = self.values("truth")
-        for rule in ("default", "pushed", "carve", "surface"):
+        for rule in ("default", "all_rays", "pushed", "carve", "surface"):
             self.assertGreater(truth[f"{rule}_precision"], 0.9, rule)
         self.assertGreater(truth["surface_recall"], 0.9)
         self.assertGreaterEqual(truth["surface_recall"], truth["default_recall"])
-        self.assertGreater(truth["default_recall"], truth["pushed_recall"])
+        self.assertGreater(truth["default_recall"], truth["all_rays_recall"])
+        self.assertGreater(truth["all_rays_recall"], truth["pushed_recall"])
 
     def test_wrong_options_are_told_before_anything_is_measured(self):
         for wrong in (["--only", "nothing"], ["--scans", "3"], ["--data", "/nowhere"]):

@@ -6,12 +6,12 @@ measure(job)    values that JSON can hold
 show(page, values, all)   adds them to the report; `all` has every section's values by name
 """
 
-from . import (index_parameters, depth_by_sigma, strategies, surface, free80, carve10, drive,
-               frames, one_tile, node_shares, codecs, truth, planet, lookup, targets)
+from . import (index_parameters, depth_by_sigma, strategies, surface, free80, sampled80,
+               carve10, drive, frames, one_tile, node_shares, codecs, truth, planet, lookup, targets)
 from .summary import show_summary
 
-ALL = [index_parameters, depth_by_sigma, strategies, surface, free80, carve10, drive, frames,
-       one_tile, node_shares, codecs, truth, planet, lookup, targets]
+ALL = [index_parameters, depth_by_sigma, strategies, surface, free80, sampled80, carve10,
+       drive, frames, one_tile, node_shares, codecs, truth, planet, lookup, targets]
 
 __all__ = ["ALL", "names", "show_summary"]
 

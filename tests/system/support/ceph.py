@@ -125,10 +125,12 @@ class Cluster:
         self.wait_until_up(self.osds)
 
     def slow_down(self, slow):
-        """Whether each OSD waits 0.1 s before each message it handles."""
+        """Whether each OSD waits 30 ms before each message it handles. Were it 0.1 s, the messages
+        by which replicas prolong their read leases would take longer than the leases last."""
         for number in range(self.osds):
-            self.ceph("tell", f"osd.{number}", "config", "set",
-                      "osd_debug_inject_dispatch_delay_probability", "1" if slow else "0")
+            for name, value in (("duration", "0.03"), ("probability", "1" if slow else "0")):
+                self.ceph("tell", f"osd.{number}", "config", "set",
+                          f"osd_debug_inject_dispatch_delay_{name}", value)
 
     def set_full(self, full):
         """Whether the cluster calls its disks full, however empty they are."""

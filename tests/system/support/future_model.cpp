@@ -74,7 +74,7 @@ int main(int argc, char** argv) {
   if (kind == "format") {
     shard.make_newer("default", "voxatlas store", 0, 1);
   } else if (kind == "parameters") {
-    shard.make_newer("state", voxatlas::name_key(0, "v/parameters"), 0, 1);
+    shard.make_newer("state", voxatlas::name_key(0, "v/parameters"), 0, 2);
   } else if (kind == "journal") {
     shard.make_newer("journal", voxatlas::row_key(0, 0), 0, 1);
   } else if (kind == "tile") {

@@ -9,9 +9,10 @@ namespace {
 
 /// Each differs from the standard in one value, and says so by this name.
 std::vector<std::pair<std::string, ModelParameters>> one_off() {
-  std::vector<std::pair<std::string, ModelParameters>> list(10);
-  const char* names[] = {"cells_per_metre", "hit ",          "miss ",     "clamp_min", "clamp_max",
-                         "free_depth",      "surface_depth", "min_range", "max_range", "shards"};
+  std::vector<std::pair<std::string, ModelParameters>> list(11);
+  const char* names[] = {"cells_per_metre", "hit ",       "miss ",         "clamp_min",
+                         "clamp_max",       "free_depth", "surface_depth", "min_range",
+                         "max_range",       "shards",     "all_rays_free"};
   for (std::size_t i = 0; i < list.size(); ++i) list[i].first = names[i];
   list[0].second.cells_per_metre = 5;
   ++list[1].second.sensor.hit;
@@ -23,6 +24,7 @@ std::vector<std::pair<std::string, ModelParameters>> one_off() {
   list[7].second.integration.min_range = 0.5;
   list[8].second.integration.max_range = 80.25;
   list[9].second.shards = 4;
+  list[10].second.integration.all_rays_free = true;
   return list;
 }
 
@@ -38,11 +40,23 @@ TEST_CASE("parameters come back as they went, cut nowhere", "[atlas]") {
   bytes.push_back(0);
   REQUIRE(decode_parameters(bytes).error().code == ErrorCode::kCorrupt);
   bytes.pop_back();
-  bytes[0] = 2;
+  bytes[0] = 3;
   REQUIRE(decode_parameters(bytes).error().code == ErrorCode::kInvalid);
-  bytes[0] = 1;
+  bytes[0] = 2;
   bytes[1] = 21;  // Cells a metre: at most 20.
   REQUIRE(decode_parameters(bytes).error().code == ErrorCode::kCorrupt);
+}
+
+TEST_CASE("models made before all_rays_free was told have it, byte for byte", "[atlas]") {
+  ModelParameters old;
+  old.integration.all_rays_free = true;
+  const auto bytes = encode_parameters(old);
+  REQUIRE(bytes.size() == encode_parameters({}).size() - 1);
+  REQUIRE(bytes[0] == 1);
+  REQUIRE(decode_parameters(bytes).value() == old);
+  auto wrong = encode_parameters({});
+  wrong.back() = 2;
+  REQUIRE(decode_parameters(wrong).error().code == ErrorCode::kCorrupt);
 }
 
 TEST_CASE("one value that differs gives another id, and words that name it alone", "[atlas]") {

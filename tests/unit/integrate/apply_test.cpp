@@ -53,7 +53,7 @@ TEST_CASE("scans of all kinds in sequence leave the tiles that dense arrays are 
   for (int i = 0; i < 24; ++i) {
     const IntegrationParameters parameters{static_cast<int>(rng() % 9) - 1,
                                            static_cast<int>(rng() % 8), i % 3 == 0 ? 0.7 : 0.0,
-                                           i % 2 == 0 ? 9.0 : 120.0};
+                                           i % 2 == 0 ? 9.0 : 120.0, rng() % 2 == 0};
     auto scan = test::ScanMaker{corner, 0.6 * tile, 10, 60, i % 3 != 0}(rng);
     scan.sigma = rng() % 3 == 0 ? tile / (4 << rng() % 8) : 0.02;
     const auto delta = Integrator(grid, parameters).integrate(scan);

@@ -46,7 +46,8 @@ TEST_CASE("a scan's cells are those of sorted border crossings, for all depths o
   const int k = std::array{10, 10, 1, 20, 7}[rng() % 5];
   const auto grid = *Grid::create(k);
   const double tile = grid.tile_length();
-  Integrator integrator(grid, {free_depth, surface_depth, 0.1 * tile, 1.2 * tile});
+  const bool all_rays_free = rng() % 2 == 0;
+  Integrator integrator(grid, {free_depth, surface_depth, 0.1 * tile, 1.2 * tile, all_rays_free});
   for (int i = 0; i < 12; ++i) {
     // Around a tile's corner, on the Earth and where coordinates change their sign.
     const Eigen::Vector3d corner =
@@ -58,7 +59,8 @@ TEST_CASE("a scan's cells are those of sorted border crossings, for all depths o
     auto delta = integrator.integrate(scan);
     REQUIRE(delta.has_value());
     require_equal(cells_of(*delta),
-                  cells_by_sorting(scan, {free_depth, surface_depth, 0.1 * tile, 1.2 * tile}, k));
+                  cells_by_sorting(
+                      scan, {free_depth, surface_depth, 0.1 * tile, 1.2 * tile, all_rays_free}, k));
   }
 }
 

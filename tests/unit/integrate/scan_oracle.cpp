@@ -5,6 +5,8 @@
 #include <cmath>
 #include <vector>
 
+#include "integrate/free_rays.hpp"
+
 namespace voxatlas::test {
 namespace {
 
@@ -84,6 +86,13 @@ int depth_by_trying(double sigma, double tile_length) {
   return depth;
 }
 
+bool frees(const Scan& scan, std::size_t ray, const ScanCells& cells,
+           const IntegrationParameters& parameters) {
+  const int coarser = cells.hit_depth - cells.miss_depth;
+  if (parameters.all_rays_free || coarser <= 0) return true;
+  return FreeRays(scan.utime, coarser).has(scan.endpoints_ecef[ray]);
+}
+
 void drop_related(ScanCells& cells) {
   const int both = std::min(cells.miss_depth, cells.hit_depth);
   std::set<GlobalCell> taken;
@@ -122,7 +131,7 @@ ScanCells cells_by_sorting(const Scan& scan, const IntegrationParameters& parame
       continue;
     }
     ++(beyond ? cells.beyond_max : cells.rays_hit);
-    if (parameters.free_depth >= 0) {
+    if (parameters.free_depth >= 0 && frees(scan, i, cells, parameters)) {
       for (const auto& c : cells_before_end(scan.origin_ecef, end, k, cells.miss_depth)) {
         cells.misses.insert(c);
       }

@@ -55,8 +55,9 @@ void require_same_on_all(const std::vector<Scan>& scans, const IntegrationParame
 TEST_CASE("a street's scans change the same bytes with every set of instructions",
           "[integrate][oracle]") {
   const auto parameters =
-      GENERATE(IntegrationParameters{7, 7, 0, 120}, IntegrationParameters{4, 7, 0, 120},
-               IntegrationParameters{-1, 7, 0, 120}, IntegrationParameters{5, 6, 0, 120});
+      GENERATE(IntegrationParameters{7, 7, 0, 120}, IntegrationParameters{4, 7, 0, 120, true},
+               IntegrationParameters{4, 7, 0, 120}, IntegrationParameters{-1, 7, 0, 120},
+               IntegrationParameters{5, 6, 0, 120});
   require_same_on_all(test::street_scans(2), parameters);
 }
 

@@ -17,9 +17,11 @@ TEST_CASE("options that are given replace, and so can be told apart", "[tilestor
   ModelOptions options;
   options.free_depth = 6;
   options.hit = 0.8;
+  options.all_rays_free = true;
   const auto parameters = apply_options(options, 1, {});
   REQUIRE(parameters.has_value());
   REQUIRE(parameters->integration.free_depth == 6);
+  REQUIRE(parameters->integration.all_rays_free);
   REQUIRE(parameters->sensor.hit == to_log_odds(0.8).value());
   REQUIRE(parameters->sensor.miss == ModelParameters{}.sensor.miss);
   REQUIRE_FALSE(describe_difference(ModelParameters{}, *parameters).empty());
