@@ -69,7 +69,8 @@ Status RadosStore::State::append_rows(ShardId id, Shard& shard,
   return {};
 }
 
-/// First the place in the list, then the object: a region in the list without an object is empty.
+/// First the object, then the place in the list: an object that no list names is empty, and made
+/// again when it is wanted; one that is listed and not there could never be written to.
 Status RadosStore::State::make_regions(ShardId id, Shard& shard,
                                        const std::set<std::uint64_t>& wanted) {
   Rows listed;
@@ -87,14 +88,14 @@ Status RadosStore::State::make_regions(ShardId id, Shard& shard,
     const int same = pool.operate(shard_object(id), &look, nullptr);
     return same < 0 ? failed(id, shard, same, "put") : Status();
   }
-  operation.omap_set(listed);
-  if (auto ok = write(id, shard, operation, "listing regions"); !ok) return ok;
   for (const auto region : wanted) {
     if (shard.regions.contains(region)) continue;
     const int made = pool.create(region_object(id, region), false);
     if (made < 0) return failed(id, shard, made, "making a region");
-    shard.regions.insert(region);
   }
+  operation.omap_set(listed);
+  if (auto ok = write(id, shard, operation, "listing regions"); !ok) return ok;
+  shard.regions.insert(wanted.begin(), wanted.end());
   return {};
 }
 

@@ -31,7 +31,7 @@ def built_with_rados():
 
 @unittest.skipUnless(built_with_rados(), "built without librados (scripts/setup --rados)")
 class RadosFaults(PublishTest):
-    SCANS = 40
+    SCANS = 80
     HZ = 3
     SET = {"stores": 1, "renders": 0}
 
@@ -81,8 +81,10 @@ class RadosFaults(PublishTest):
             self.wait_for_updates(updates, UPDATES_BEFORE_A_FAULT, publish)
             for number in range(self.cluster.osds):
                 self.cluster.kill(f"osd.{number}")
-                self.wait_for_updates(updates, UPDATES_BETWEEN, publish)
-                self.cluster.revive(f"osd.{number}")
+                try:
+                    self.wait_for_updates(updates, UPDATES_BETWEEN, publish)
+                finally:
+                    self.cluster.revive(f"osd.{number}")
 
         self.publish_on_the_cluster(in_turn)
 
@@ -260,7 +262,7 @@ class RadosFaults(PublishTest):
         self.addCleanup(copy.wait)
         self.addCleanup(copy.kill)
         end = time.monotonic() + ceph.PATIENCE
-        while not self.cluster.objects(self._testMethodName, "region-"):
+        while not self.cluster.tiles(self._testMethodName):
             self.assertIsNone(copy.poll(), "the copy was over before it was killed")
             self.assertLess(time.monotonic(), end, "the copy wrote nothing")
         copy.kill()

@@ -143,6 +143,14 @@ class Cluster:
         listed = self._run("rados", "-c", self.conf, "-p", POOL, "-N", model, "ls")
         return [name for name in listed.splitlines() if name.startswith(prefix)]
 
+    def tiles(self, model):
+        """How many tiles the first region of a model that has any holds."""
+        for region in self.objects(model, "region-"):
+            rows = self._run("rados", "-c", self.conf, "-p", POOL, "-N", model, "listomapkeys", region)
+            if rows:
+                return len(rows.splitlines())
+        return 0
+
     def store(self, model):
         """What --store takes."""
         return f"rados:{self.conf},{POOL},{model}"
