@@ -84,8 +84,8 @@ static void declare_model(CLI::App& app, ModelOptions& model) {
                  "depth of free space: 0 to 7 (10 cm), -1 for none [4: 80 cm]")
       ->group(group);
   app.add_option("--all-rays-free", model.all_rays_free,
-                 "true: each ray frees all it passes; false: one in 4^n does where free space is n "
-                 "depths coarser than the surface [false]")
+                 "true: each ray frees all it passes; false: some do where free space is coarser "
+                 "than the surface, one in 80 at 80 cm [false]")
       ->group(group);
   app.add_option("--surface-depth", model.surface_depth, "deepest surface, 0 to 7 [7]")
       ->group(group);

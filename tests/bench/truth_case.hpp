@@ -51,7 +51,7 @@ class Truth {
 class Rule {
  public:
   enum class Kind {
-    kDefault,  ///< 80 cm, by one ray in 64; a coarse cell with a hit of the same scan is left
+    kDefault,  ///< 80 cm, by one ray in 80; a coarse cell with a hit of the same scan is left
                ///< alone.
     kAllRays,  ///< 80 cm, by every ray, likewise.
     kPushed,   ///< 80 cm; every coarse cell a ray passes lowers all that is in it.

@@ -9,7 +9,7 @@ PAPER_SCANS, PAPER_POINTS = 35_000, 715e6
 PAPER = {"surface": ("37 min", 322_000), "free80": ("21 h 40 min", 9_200),
          "sampled80": ("none", None), "carve10": ("none", None)}
 TITLES = {"surface": "surface only", "free80": "free space at 80 cm by every ray, as the paper's",
-          "sampled80": "free space at 80 cm by one ray in 64, the default",
+          "sampled80": "free space at 80 cm by one ray in 80, the default",
           "carve10": "free space at 10 cm"}
 LINEAR = (0.8, 1.25)  # Rays/s of the second half over the first's.
 MUST = {"free80": 1.0e6, "sampled80": 1.0e6, "carve10": 0.5e6}

@@ -1,9 +1,9 @@
-"""The paper's section 6. Free space at 80 cm by one ray in 64, the default (libs/integrate)."""
+"""The paper's section 6. Free space at 80 cm by one ray in 80, the default (libs/integrate)."""
 
 from mode import measure_mode, show_mode
 
 NAME = "sampled80"
-TITLE = "Section 6: the drive, free space at 80 cm by one ray in 64"
+TITLE = "Section 6: the drive, free space at 80 cm by one ray in 80"
 
 
 def measure(job):

@@ -144,7 +144,8 @@ class Cluster:
         return [name for name in listed.splitlines() if name.startswith(prefix)]
 
     def tiles(self, model):
-        """How many tiles the first region of a model that has any holds."""
+        """How many rows the first region of a model that has any holds, or a few more: keys are
+        bytes, some of them line feeds."""
         for region in self.objects(model, "region-"):
             rows = self._run("rados", "-c", self.conf, "-p", POOL, "-N", model, "listomapkeys", region)
             if rows:
@@ -168,7 +169,7 @@ class Cluster:
     @staticmethod
     def _run(*command):
         done = subprocess.run([str(part) for part in command], capture_output=True, text=True,
-                              check=False, stdin=subprocess.DEVNULL)
+                              errors="replace", check=False, stdin=subprocess.DEVNULL)
         if done.returncode != 0:
             raise AssertionError(f"{command}: {done.stderr}")
         return done.stdout

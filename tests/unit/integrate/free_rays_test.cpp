@@ -30,12 +30,12 @@ void require_share(double count, double n, double p) {
   REQUIRE(std::abs(count - n * p) < 5 * std::sqrt(n * p * (1 - p)));
 }
 
-TEST_CASE("one ray in 4^n frees, and which ones changes from scan to scan", "[integrate]") {
+TEST_CASE("one ray in 5/4 4^n frees, and which ones changes from scan to scan", "[integrate]") {
   auto rng = test::engine();
   INFO("VOX_SEED=" << test::seed());
   const auto ends = points(rng);
   const int coarser = GENERATE(0, 1, 2, 3, 4);
-  const double share = std::pow(0.25, coarser);
+  const double share = 0.8 * std::pow(0.25, coarser);
   const std::int64_t utime = 1'433'152'800'000'000;
   const FreeRays now(utime, coarser), next(utime + 50'000, coarser);
   double in_now = 0, in_both = 0;
@@ -60,7 +60,7 @@ TEST_CASE("points on a lattice, as coarse sensors give them, are chosen as evenl
       end[axis] += i * 0.002;
       chosen += rays.has(end);
     }
-    require_share(chosen, kPoints, 1.0 / 64);
+    require_share(chosen, kPoints, 1.0 / 80);
   }
 }
 
@@ -85,7 +85,7 @@ TEST_CASE("a scan's cells do not depend on the order of its points", "[integrate
   REQUIRE((test::cells_of(*integrator.integrate(scan)) == cells));
 }
 
-TEST_CASE("on average a voxel is missed as often as rays pass it", "[integrate][oracle]") {
+TEST_CASE("on average a voxel is missed about as often as rays pass it", "[integrate][oracle]") {
   // A wall of voxels 20 m away, rays through each in turn to a wall behind it: what coarse misses
   // take from the near wall, summed over many scans, against carving.
   auto rng = test::engine();
@@ -105,11 +105,11 @@ TEST_CASE("on average a voxel is missed as often as rays pass it", "[integrate][
         512.0 * static_cast<double>(test::cells_of(*coarse.integrate(scan)).misses.size());
     fine_voxels += static_cast<double>(test::cells_of(*fine.integrate(scan)).misses.size());
   }
-  // A ray passes some 1.3 cells an edge's length, at either size, so the sums agree but for cells
+  // A ray passes some 1.3 cells an edge's length, at either size, so the sums agree but for the fifth let off and for cells
   // that several rays of a scan share near the origin, where carving counts them once.
   CAPTURE(coarse_voxels, fine_voxels);
-  REQUIRE(coarse_voxels > 0.8 * fine_voxels);
-  REQUIRE(coarse_voxels < 1.5 * fine_voxels);
+  REQUIRE(coarse_voxels > 0.65 * fine_voxels);
+  REQUIRE(coarse_voxels < 1.2 * fine_voxels);
 }
 
 }  // namespace
