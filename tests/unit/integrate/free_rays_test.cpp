@@ -105,8 +105,9 @@ TEST_CASE("on average a voxel is missed about as often as rays pass it", "[integ
         512.0 * static_cast<double>(test::cells_of(*coarse.integrate(scan)).misses.size());
     fine_voxels += static_cast<double>(test::cells_of(*fine.integrate(scan)).misses.size());
   }
-  // A ray passes some 1.3 cells an edge's length, at either size, so the sums agree but for the fifth let off and for cells
-  // that several rays of a scan share near the origin, where carving counts them once.
+  // A ray passes some 1.3 cells an edge's length, at either size, so the sums agree but for the
+  // fifth let off and for cells that several rays of a scan share near the origin, where carving
+  // counts them once.
   CAPTURE(coarse_voxels, fine_voxels);
   REQUIRE(coarse_voxels > 0.65 * fine_voxels);
   REQUIRE(coarse_voxels < 1.2 * fine_voxels);
