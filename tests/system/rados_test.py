@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The tile store's contract on a real Ceph cluster: one monitor and three OSDs on loopback."""
+"""The tile store's contract, and the demo, on a real Ceph cluster: a monitor and three OSDs on loopback."""
 
 import os
 import pathlib
@@ -26,6 +26,18 @@ class Rados(harness.SystemTest):
                               env={**os.environ, "VOX_RADOS_CONF": str(self.cluster.conf),
                                    "VOX_RADOS_POOL": ceph.POOL})
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+
+    def test_the_demo_makes_the_same_model_in_a_cluster(self):
+        hashes = []
+        for name, store in (("cluster", ["--store", self.cluster.store("demo")]), ("folder", [])):
+            out = self.folder / name
+            done = subprocess.run([harness.ROOT / "scripts" / "demo", "--scans", "5", "--out", out,
+                                   *store], check=False, capture_output=True, text=True,
+                                  stdin=subprocess.DEVNULL)
+            self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+            hashes.append((out / "hashes_after_restart.txt").read_text())
+        self.assertGreater(len(hashes[0].splitlines()), 10)
+        self.assertEqual(*hashes)
 
 
 if __name__ == "__main__":
