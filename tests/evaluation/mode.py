@@ -83,17 +83,25 @@ def plot_samples(job, samples):
     plot(job.pictures(), f"{job.name}_memory.svg", x="scans", y="MiB", series=series, style="lines")
 
 
-def linearity(values):
-    """Rays/s of the second half of the drive over the first half's: 1 is a cost that grows with the
-    drive alone. None where there are too few samples."""
+def settled(values):
+    """Samples of the drive's second half: caches are full, and tiles come back that were left. None
+    where there are too few."""
     points = [s for s in values["samples"] if 0 < s["rays"] < values["published"]["rays"]]
-    if len(points) < 8:
+    return points[len(points) // 2:] if len(points) >= 16 else None
+
+
+def rate_between(first, last):
+    return (last["rays"] - first["rays"]) / (last["seconds"] - first["seconds"])
+
+
+def linearity(values):
+    """Rays/s of the drive's last quarter over the third one's: 1 is a cost that grows with the drive
+    alone. None where there are too few samples."""
+    points = settled(values)
+    if points is None:
         return None
     middle = points[len(points) // 2]
-    first, last = points[0], points[-1]
-    early = (middle["rays"] - first["rays"]) / (middle["seconds"] - first["seconds"])
-    late = (last["rays"] - middle["rays"]) / (last["seconds"] - middle["seconds"])
-    return late / early
+    return rate_between(middle, points[-1]) / rate_between(points[0], middle)
 
 
 def show_mode(page, name, values):
@@ -117,7 +125,7 @@ def show_mode(page, name, values):
     page.picture(f"{name}_memory.svg", "Memory and disk over the scans.")
     ratio = linearity(values)
     if ratio is not None:
-        page.text(f"The second half of the drive went at {ratio:.2f} times the first half's rays/s.")
+        page.text(f"The last quarter of the drive went at {ratio:.2f} times the third one's rays/s.")
     for view in VIEWS:
         page.picture(f"{name}_{view}.png", f"The model: {view} view.")
     if values["functions"]:

@@ -1,6 +1,6 @@
 """The paper's section 6: the modes of the drive beside the paper, and what 35 000 scans take."""
 
-from mode import linearity
+from mode import linearity, rate_between, settled
 from page import number
 
 NAME = "drive"
@@ -11,7 +11,7 @@ PAPER = {"surface": ("37 min", 322_000), "free80": ("21 h 40 min", 9_200),
 TITLES = {"surface": "surface only", "free80": "free space at 80 cm by every ray, as the paper's",
           "sampled80": "free space at 80 cm by one ray in 80, the default",
           "carve10": "free space at 10 cm"}
-LINEAR = (0.8, 1.25)  # Rays/s of the second half over the first's.
+LINEAR = (0.8, 1.25)  # Rays/s of the last quarter over the third one's.
 MUST = {"free80": 1.0e6, "sampled80": 1.0e6, "carve10": 0.5e6}
 PAPER_CORES, OUR_CORES = 12, 2
 
@@ -33,11 +33,11 @@ def show(page, _values, all_values):
         page.text("None of the modes was measured.")
         return
     page.table(["mode", "scans", "points", "s", "points/s", "of the paper's, a core", "tiles",
-                "tile store at most, MiB", "disk, MiB", "late / early rays/s",
+                "tile store at most, MiB", "disk, MiB", "last / third quarter's rays/s",
                 "35 000 scans take, extrapolated", "the paper took", "the paper's points/s"], rows)
-    page.text("Extrapolated is the time of as many points as the paper's at the rate measured, and only "
-              "where the second half of the drive was within 0.8 to 1.25 of the first half's rate, which "
-              "also says how much the machine's noise is.")
+    page.text("Extrapolated is the time of as many points as the paper's at the rate of the drive's second "
+              "half, when caches are full and streets are seen again, and only where its two quarters "
+              "were within 0.8 to 1.25 of one another, which also says how much the machine's noise is.")
 
 
 def whole_drive(values):
@@ -48,8 +48,9 @@ def whole_drive(values):
     if ratio is None:
         return "too short to say"
     if not LINEAR[0] <= ratio <= LINEAR[1]:
-        return f"**not linear (late / early rate {ratio:.2f}): not extrapolated**"
-    return f"{PAPER_POINTS / published['rays'] * published['seconds'] / 60:.1f} min, extrapolated"
+        return f"**not linear (last / third quarter {ratio:.2f}): not extrapolated**"
+    points = settled(values)
+    return f"{PAPER_POINTS / rate_between(points[0], points[-1]) / 60:.1f} min, extrapolated"
 
 
 def columns(page, name, values):
