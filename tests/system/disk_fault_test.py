@@ -55,7 +55,8 @@ class DiskFault(harness.SystemTest):
             watch = self.begin(services, "watch", "status", "--json")
             stores = (status for status in map(json.loads, watch.stdout)
                       if status["service"] == "tilestore")
-            publish = self.begin(services, "publish", self.drive, "--poses", "poses.txt")
+            # Paced, so that the fault finds it under way.
+            publish = self.begin(services, "publish", self.drive, "--poses", "poses.txt", "--hz", 20)
             if before > 0:
                 next(s for s in stores if s["counters"].get("scans_applied", 0) >= before)
             fault()

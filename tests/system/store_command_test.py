@@ -78,7 +78,7 @@ class StoreCommand(harness.SystemTest):
             watch = services.begin("watch", "tiles", stdout=subprocess.PIPE, text=True)
             self.addCleanup(watch.communicate)
             self.addCleanup(watch.kill)
-            publish = services.begin("publish", "--simulate", 100, stderr=subprocess.PIPE,
+            publish = services.begin("publish", "--simulate", 100, "--hz", 20, stderr=subprocess.PIPE,
                                      stdout=subprocess.PIPE, text=True)
             self.addCleanup(publish.communicate)
             self.addCleanup(publish.kill)

@@ -45,7 +45,7 @@ class Drive(harness.SystemTest):
         told = (status["counters"] for status in map(json.loads, watch.stdout)
                 if status["service"] == "tilestore" and status["ready"])
         before = next(told)
-        publish = services.begin("publish", *city(number), stdout=subprocess.PIPE,
+        publish = services.begin("publish", *city(number), "--hz", 50, stdout=subprocess.PIPE,
                                  stderr=subprocess.PIPE, text=True)
         self.addCleanup(publish.communicate)
         self.addCleanup(publish.kill)
