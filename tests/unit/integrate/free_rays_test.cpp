@@ -94,7 +94,7 @@ TEST_CASE("on average a voxel is missed about as often as rays pass it", "[integ
   Integrator coarse(Grid::standard(), IntegrationParameters{});
   Integrator fine(Grid::standard(), IntegrationParameters{7, 7, 0, 120});
   double coarse_voxels = 0, fine_voxels = 0;
-  for (int i = 0; i < 200; ++i) {
+  for (int i = 0; i < 40; ++i) {
     Scan scan;
     scan.sigma = 0.02;
     scan.utime = i;
