@@ -14,10 +14,10 @@ namespace voxatlas {
 /// figures are kept for as long as the tile stays at its version.
 ///
 /// Threads: one at a time.
-/// Memory:  at most kMostKept tiles' figures, about 10 MB.
+/// Memory:  at most kMostKept tiles' figures, about 2 MB.
 class TileContents {
  public:
-  static constexpr std::size_t kMostKept = 65'536;
+  static constexpr std::size_t kMostKept = 16'384;
 
   struct Figures {
     std::uint64_t version = 0;

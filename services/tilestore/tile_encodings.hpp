@@ -15,7 +15,8 @@ namespace voxatlas {
 /// Memory:  kMostBytes, and one tile.
 class TileEncodings {
  public:
-  static constexpr std::size_t kMostBytes = 16 << 20;
+  /// The sixteenth that MemoryPlan leaves of its least budget.
+  static constexpr std::size_t kMostBytes = 8 << 20;
 
   explicit TileEncodings(Atlas& atlas) : atlas_(atlas) {}
 

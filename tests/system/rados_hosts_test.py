@@ -17,10 +17,11 @@ import unittest
 from support import ceph, harness, hosts
 from support.publishing import PublishTest, tile_hashes
 
-from service_set import ServiceSet
+from service_set import Service, ServiceSet
 
 URL = "udpm://239.255.76.67:7667?ttl=1"
 CUT_SECONDS = 20
+TAKE_OVER_SECONDS = 10
 HOST_OF = {("ingest", 0): 0, ("tilestore", 0): 0, ("compress", 0): 0,
            ("ingest", 1): 1, ("tilestore", 1): 1, ("render", 0): 2}
 UPDATES_BEFORE = 200
@@ -85,6 +86,33 @@ class SeveralHosts(PublishTest):
                                             "--out", picture, "--json", quiet=True))
             self.assertEqual(frame["tiles_missing"], 0)
             self.assertTrue(picture.exists())
+
+    def test_a_killed_store_is_replaced_on_another_host(self):
+        services = SpreadSet(self.machines, self.folder, url=URL, stores=2, ingests=2,
+                             store=self.cluster.store("moved"))
+        with services:
+            updates = self.watch_tiles(services)
+            publish = self.begin_publish(services)
+            self.wait_for_updates(updates, UPDATES_BEFORE, publish)
+            first = services.find("tilestore", 1)
+            bare = first.command[len(self.machines[1].enter()):]
+            second = Service("tilestore", 1, self.machines[2].enter(*bare),
+                             first.log_path.with_suffix(".moved.log"), first.env)
+            watch = services.begin("watch", "status", "--json", stdout=subprocess.PIPE, text=True)
+            self.addCleanup(watch.communicate)
+            self.addCleanup(watch.kill)
+            first.kill()
+            began = time.monotonic()
+            second.start(services.ended)
+            services.services[services.services.index(first)] = second
+            next(said for said in map(json.loads, watch.stdout)
+                 if said["pid"] == second.process.pid and said["ready"])
+            took = time.monotonic() - began
+            print(f"replaced in {took:.1f} s", flush=True)
+            self.assertLess(took, TAKE_OVER_SECONDS)
+            self.assertIsNone(publish.poll(), "the publish was over before the store moved")
+            self.end_publish(publish)
+            self.assertEqual(tile_hashes(services), self.undisturbed)
 
     def check_places(self, services):
         """The services' sockets really are on different hosts: none is open here."""

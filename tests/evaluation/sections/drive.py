@@ -3,14 +3,14 @@
 from mode import linearity, rate_between, settled
 from page import number
 
+from .modes import MODES
+
 NAME = "drive"
 TITLE = "Section 6: the drive beside the paper's"
 PAPER_SCANS, PAPER_POINTS = 35_000, 715e6
 PAPER = {"surface": ("37 min", 322_000), "free80": ("21 h 40 min", 9_200),
          "sampled80": ("none", None), "carve10": ("none", None)}
-TITLES = {"surface": "surface only", "free80": "free space at 80 cm by every ray, as the paper's",
-          "sampled80": "free space at 80 cm by one ray in 80, the default",
-          "carve10": "free space at 10 cm"}
+TITLES = {mode.NAME: mode.WHAT for mode in MODES}
 LINEAR = (0.8, 1.25)  # Rays/s of the last quarter over the third one's.
 MUST = {"free80": 1.0e6, "sampled80": 1.0e6, "carve10": 0.5e6}
 PAPER_CORES, OUR_CORES = 12, 2
