@@ -40,8 +40,20 @@ def default_bin_dir():
 
 def start_process(command, env, ended, **options):
     """Starts a process that ends with its parent and puts itself into `ended` when it ends."""
-    process = subprocess.Popen([str(part) for part in command], env=env, stdin=subprocess.DEVNULL,
-                               preexec_fn=_end_with_parent, **options)
+    # A Ctrl-C waits until the child is no Python any more: there it would end in a traceback.
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+
+    def prepare():
+        _libc.prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
+        if signal.getsignal(signal.SIGINT) is not signal.SIG_IGN:
+            signal.signal(signal.SIGINT, signal.SIG_DFL)
+        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
+
+    try:
+        process = subprocess.Popen([str(part) for part in command], env=env,
+                                   stdin=subprocess.DEVNULL, preexec_fn=prepare, **options)
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
 
     def tell():
         process.wait()
@@ -49,10 +61,6 @@ def start_process(command, env, ended, **options):
 
     threading.Thread(target=tell, daemon=True).start()
     return process
-
-
-def _end_with_parent():
-    _libc.prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
 
 
 def end_in_words(process):
