@@ -187,7 +187,7 @@ static void declare_render(CLI::App& app, Command& command) {
       ->capture_default_str();
   sub->add_option("--budget", options.budget,
                   "milliseconds for a first picture, which better ones follow [0: the full one]")
-      ->check(CLI::NonNegativeNumber);
+      ->check(CLI::Range(0.0, 3'600'000.0));
   sub->add_option("--colouring", options.colouring,
                   "rgb, height, probability ... (an error lists all)")
       ->capture_default_str();

@@ -134,7 +134,8 @@ Result<Camera> camera_at_place(const RenderOptions& options, const ViewSize& siz
   if (options.look_at.empty()) {
     auto eye = parse_place("--at", options.at);
     if (!eye) return pass_on(eye);
-    return standing_view(*eye, options.heading, size);
+    auto view = standing_view(*eye, options.heading, size);
+    return view ? view : pass_on(view, "--at " + options.at);
   }
   auto eye = place_of("--at", options.at);
   if (!eye) return pass_on(eye);
