@@ -29,7 +29,7 @@ constexpr double kField = 100, kFarField = 500;  // Metres.
 
 struct Options {
   bench::ModelSource source;
-  std::string out;
+  bench::PictureFiles pictures;
   int repeat = 20;
   int width = 1280, height = 720;
   bool far_field = true;
@@ -69,7 +69,7 @@ std::vector<View> views_of(const Camera& street, double far_range, const std::st
 
 void run(Options options) {
   const Grid grid = Grid::standard();
-  options.source.surfaces_only = options.source.data.empty() && options.out.empty();
+  options.source.surfaces_only = options.source.data.empty() && options.pictures.folder.empty();
   const Model model = bench::make_model(options.source, grid);
   const Camera street = find_street(grid, model, {options.width, options.height});
   bench::SplatBench bench(model, grid, options.repeat);
@@ -85,8 +85,9 @@ void run(Options options) {
     for (const View& view : far_views) bench.print_view(view);
     bench.print_against_gl(far_views);
   }
-  if (options.out.empty()) return;
-  bench::write_pictures(model, grid, bench.placed(), views_of(street, kFarField, ""), options.out);
+  if (options.pictures.folder.empty()) return;
+  bench::write_pictures(model, grid, bench.placed(), views_of(street, kFarField, ""),
+                        options.pictures);
 }
 
 }  // namespace
@@ -105,7 +106,9 @@ int main(int argc, char** argv) {
   app.add_option("--width", options.width, "pixels")->check(CLI::Range(1, 8192));
   app.add_option("--height", options.height, "pixels")->check(CLI::Range(1, 8192));
   app.add_flag("!--no-far-field", options.far_field, "nothing of what lies within 500 m");
-  app.add_option("--out", options.out, "folder for PNGs, which must exist");
+  app.add_option("--out", options.pictures.folder, "folder for PNGs, which must exist");
+  app.add_option("--jpeg", options.pictures.jpeg_quality, "JPEGs of this quality instead")
+      ->check(CLI::Range(1, 100));
   CLI11_PARSE(app, argc, argv);
   try {
     voxatlas::run(options);

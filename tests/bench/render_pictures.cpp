@@ -13,11 +13,12 @@ namespace voxatlas::bench {
 namespace {
 
 constexpr int kFreeDepth = 4;
+constexpr std::size_t kMostBytes = 10'000'000;  // More than any quality needs.
 
 class Album {
  public:
-  Album(const Grid& grid, const std::vector<PlacedTree>& trees, const std::filesystem::path& folder)
-      : grid_(grid), trees_(trees), folder_(folder) {}
+  Album(const Grid& grid, const std::vector<PlacedTree>& trees, const PictureFiles& files)
+      : grid_(grid), trees_(trees), files_(files) {}
 
   void add(const std::string& name, const Camera& camera, const PaintOptions& options,
            int side = 1) {
@@ -26,13 +27,18 @@ class Album {
       or_throw(painter_.paint(mean.next(), grid_, trees_, options, painting_));
       mean.add(painting_.image);
     }
-    write_file(folder_ / (name + ".png"), or_throw(encode_png(mean.image())));
+    if (files_.jpeg_quality > 0) {
+      const auto jpeg = or_throw(encode_jpeg(mean.image(), files_.jpeg_quality, kMostBytes));
+      write_file(files_.folder / (name + ".jpg"), jpeg.bytes);
+    } else {
+      write_file(files_.folder / (name + ".png"), or_throw(encode_png(mean.image())));
+    }
   }
 
  private:
   const Grid& grid_;
   const std::vector<PlacedTree>& trees_;
-  std::filesystem::path folder_;
+  PictureFiles files_;
   Painter painter_{2};
   Painting painting_;
 };
@@ -61,8 +67,8 @@ void add_free_space(const Model& model, const Grid& grid, const View& view, Albu
 }  // namespace
 
 void write_pictures(const Model& model, const Grid& grid, const std::vector<PlacedTree>& trees,
-                    const std::vector<View>& views, const std::filesystem::path& folder) {
-  Album album(grid, trees, folder);
+                    const std::vector<View>& views, const PictureFiles& files) {
+  Album album(grid, trees, files);
   for (const View& view : views) {
     album.add(view.name, view.camera, {}, 4);
     add_free_space(model, grid, view, album);
