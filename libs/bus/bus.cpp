@@ -17,6 +17,7 @@
 #include "base/utime.hpp"
 #include "bus/bus_url.hpp"
 #include "bus/channels.hpp"
+#include "bus/port_socket.hpp"
 
 namespace voxatlas {
 namespace {
@@ -26,6 +27,8 @@ constexpr std::int64_t kReconnectUs = 500'000;
 constexpr std::int64_t kLogEveryUs = 1'000'000;
 /// Nobody listens here: a message on it makes LCM connect to its hub again.
 constexpr const char* kReconnectChannel = "VOXATLAS_RECONNECT";
+constexpr const char* kAddRoute =
+    "; without a multicast route, add one: ip link set lo up; ip route add 224.0.0.0/4 dev lo";
 
 /// LCM reads a channel to subscribe to as a regular expression; ours are names.
 std::string as_pattern(std::string_view channel) {
@@ -57,26 +60,31 @@ struct Bus::State {
   }
 
   static void on_message(const lcm_recv_buf_t* received, const char* name, void* channel) noexcept;
-  void dispatch(Channel& channel, const char* name, ByteView bytes);
+  void dispatch(Channel& channel, const char* name, ByteView bytes) noexcept;
   void log_undecodable(const char* name, const Error& error);
   void purge();
+  Status listen(const std::string& name, Channel& channel);
+  Result<bool> handle_datagram();
+  Result<bool> handle_in_lcm();
   void notice_connection();
   void reconnect();
 
   std::string url;
   bool is_hub = false;
   bool is_multicast = false;
-  int hub_fd = -1;        ///< The connection to a hub that is set up; -1: none.
-  bool was_lost = false;  ///< And there was one before.
+  bool is_port = false;
+  std::optional<PortSocket> socket;  ///< Of a port, from the first subscription on.
+  int hub_fd = -1;                   ///< The connection to a hub that is set up; -1: none.
+  bool was_lost = false;             ///< And there was one before.
   lcm_t* lcm = nullptr;
-  std::map<std::string, std::unique_ptr<Channel>> channels;
+  std::map<std::string, std::unique_ptr<Channel>, std::less<>> channels;
   std::map<Subscription, std::string> channel_of;
   Subscription last_subscription = 0;
   Counters counters;
   bool in_handler = false;
   bool has_dead_handlers = false;
-  std::exception_ptr thrown;   ///< By a handler; rethrown outside of LCM.
-  std::string cannot_receive;  ///< A channel LCM would not subscribe to.
+  std::exception_ptr thrown;  ///< By a handler; rethrown outside of LCM.
+  Status listening;           ///< Whether all channels could be subscribed to.
   std::int64_t last_reconnect = 0;
   std::int64_t last_log = 0;
 };
@@ -84,15 +92,11 @@ struct Bus::State {
 void Bus::State::on_message(const lcm_recv_buf_t* received, const char* name,
                             void* opaque) noexcept {
   auto& channel = *static_cast<Channel*>(opaque);
-  try {
-    channel.bus->dispatch(channel, name,
-                          {static_cast<const std::uint8_t*>(received->data), received->data_size});
-  } catch (...) {  // LCM is C: the exception goes round it.
-    channel.bus->thrown = std::current_exception();
-  }
+  channel.bus->dispatch(channel, name,
+                        {static_cast<const std::uint8_t*>(received->data), received->data_size});
 }
 
-void Bus::State::dispatch(Channel& channel, const char* name, ByteView bytes) {
+void Bus::State::dispatch(Channel& channel, const char* name, ByteView bytes) noexcept try {
   ++counters.received;
   counters.received_bytes += bytes.size();
   bool decoded = true;
@@ -106,6 +110,8 @@ void Bus::State::dispatch(Channel& channel, const char* name, ByteView bytes) {
       log_undecodable(name, status.error());
     }
   }
+} catch (...) {  // LCM is C: the exception goes round it.
+  thrown = std::current_exception();
 }
 
 void Bus::State::log_undecodable(const char* name, const Error& error) {
@@ -127,6 +133,44 @@ void Bus::State::purge() {
     if (it->second->subscription != nullptr) lcm_unsubscribe(lcm, it->second->subscription);
     it = channels.erase(it);
   }
+}
+
+Status Bus::State::listen(const std::string& name, Channel& channel) {
+  if (socket) return {};
+  if (is_port) {
+    auto opened = PortSocket::open(url);
+    if (!opened) return pass_on(opened);
+    socket.emplace(std::move(*opened));
+    return {};
+  }
+  channel.subscription = lcm_subscribe(lcm, as_pattern(name).c_str(), &on_message, &channel);
+  notice_connection();
+  if (channel.subscription == nullptr) {
+    return fail(ErrorCode::kUnavailable,
+                fmt::format("no bus at {}: subscribing to {} failed", url, name));
+  }
+  lcm_subscription_set_queue_capacity(channel.subscription, kQueuedMessages);
+  return {};
+}
+
+/// False: none waited.
+Result<bool> Bus::State::handle_datagram() {
+  auto datagram = socket->receive();
+  if (!datagram) return pass_on(datagram);
+  if (!*datagram) return false;
+  const auto message = short_message(**datagram);
+  const auto known = message ? channels.find(message->channel) : channels.end();
+  if (known != channels.end()) dispatch(*known->second, known->first.c_str(), message->data);
+  return true;
+}
+
+Result<bool> Bus::State::handle_in_lcm() {
+  pollfd ready{lcm_get_fileno(lcm), POLLIN, 0};
+  if (ready.fd < 0 || ::poll(&ready, 1, 0) <= 0) return false;
+  if (lcm_handle(lcm) >= 0) return true;
+  if (!is_hub) return fail(ErrorCode::kIo, fmt::format("{}: LCM cannot read", url));
+  notice_connection();
+  return true;
 }
 
 /// After any call that may have found a hub or lost it. Without NODELAY, small messages would wait
@@ -161,14 +205,9 @@ Result<std::unique_ptr<Bus>> Bus::create(const std::string& text) {
   state->is_hub = url->provider == "tcpq";
   state->is_multicast = url->is_multicast();
   state->lcm = lcm_create(url->with_large_buffer().to_string().c_str());
-  if (state->lcm == nullptr && state->is_multicast) {
-    return fail(ErrorCode::kUnavailable,
-                fmt::format("no bus at {}: LCM refuses it; without a multicast route, add one: "
-                            "ip link set lo up; ip route add 224.0.0.0/4 dev lo",
-                            state->url));
-  }
   if (state->lcm == nullptr) {
-    return fail(ErrorCode::kUnavailable, fmt::format("no bus at {}: LCM refuses it", state->url));
+    return fail(ErrorCode::kUnavailable, fmt::format("no bus at {}: LCM refuses it{}", state->url,
+                                                     state->is_multicast ? kAddRoute : ""));
   }
   if (state->is_hub) {
     if (lcm_get_fileno(state->lcm) < 0) {
@@ -178,6 +217,12 @@ Result<std::unique_ptr<Bus>> Bus::create(const std::string& text) {
     state->notice_connection();
   }
   return std::unique_ptr<Bus>(new Bus(std::move(state)));
+}
+
+Result<std::unique_ptr<Bus>> Bus::create_port(const std::string& url) {
+  auto bus = create(url);
+  if (bus) (*bus)->state_->is_port = (*bus)->state_->is_multicast;
+  return bus;
 }
 
 Status Bus::publish_bytes(const std::string& channel, const Bytes& bytes) {
@@ -209,14 +254,7 @@ Bus::Subscription Bus::subscribe_bytes(const std::string& name,
   auto& channel = bus.channels[name];
   if (channel == nullptr) {
     channel = std::make_unique<State::Channel>(State::Channel{&bus, nullptr, {}});
-    channel->subscription =
-        lcm_subscribe(bus.lcm, as_pattern(name).c_str(), &State::on_message, channel.get());
-    if (channel->subscription == nullptr) {
-      bus.cannot_receive = name;
-    } else {
-      lcm_subscription_set_queue_capacity(channel->subscription, kQueuedMessages);
-    }
-    bus.notice_connection();
+    if (bus.listening) bus.listening = bus.listen(name, *channel);
   }
   const auto id = ++bus.last_subscription;
   channel->handlers.push_back(std::make_unique<Handler>(Handler{id, std::move(handler)}));
@@ -236,27 +274,21 @@ void Bus::unsubscribe(Subscription subscription) {
   if (!bus.in_handler) bus.purge();
 }
 
-int Bus::fd() const { return lcm_get_fileno(state_->lcm); }
+int Bus::fd() const { return state_->socket ? state_->socket->fd() : lcm_get_fileno(state_->lcm); }
 
 Status Bus::handle_waiting() {
   auto& bus = *state_;
   VOX_CHECK(!bus.in_handler);
-  if (!bus.cannot_receive.empty()) {
-    return fail(ErrorCode::kUnavailable,
-                fmt::format("no bus at {}: subscribing to {} failed", bus.url, bus.cannot_receive));
-  }
+  if (!bus.listening) return bus.listening;
   if (bus.is_hub && fd() < 0) bus.reconnect();
-  for (int i = 0; i < kMaxBatch && fd() >= 0; ++i) {
-    pollfd ready{fd(), POLLIN, 0};
-    if (::poll(&ready, 1, 0) <= 0) break;
+  for (int i = 0; i < kMaxBatch; ++i) {
     bus.in_handler = true;
-    const int result = lcm_handle(bus.lcm);
+    auto handled = bus.socket ? bus.handle_datagram() : bus.handle_in_lcm();
     bus.in_handler = false;
     bus.purge();
     if (bus.thrown) std::rethrow_exception(std::exchange(bus.thrown, nullptr));
-    if (result >= 0) continue;
-    if (!bus.is_hub) return fail(ErrorCode::kIo, fmt::format("{}: LCM cannot read", bus.url));
-    bus.notice_connection();
+    if (!handled) return pass_on(handled);
+    if (!*handled) break;
   }
   return {};
 }

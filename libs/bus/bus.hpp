@@ -24,7 +24,8 @@ namespace voxatlas {
 ///          handle_waiting() has found it again; it tries twice a second.
 /// Channels are literal names, not LCM's patterns.
 /// Cost:    LCM's own receive thread drains the socket; a subscription holds up to
-///          kQueuedMessages, above any stream's credit, where LCM's own limit drops at 30.
+///          kQueuedMessages, above any stream's credit, where LCM's own limit drops at 30. At a
+///          port (create_port) there is neither thread nor queue, only the kernel's buffer.
 class Bus {
  public:
   static constexpr std::size_t kMaxPlainBytes = 60'000;
@@ -33,6 +34,9 @@ class Bus {
   using Subscription = std::int64_t;
 
   static Result<std::unique_ptr<Bus>> create(const std::string& url);
+  /// The bus at an endpoint's own multicast port, where a consumer takes in gigabytes: it receives
+  /// without LCM (PortSocket), and only messages of one datagram, as all but frames are.
+  static Result<std::unique_ptr<Bus>> create_port(const std::string& url);
   ~Bus();
 
   template <class T>

@@ -16,7 +16,7 @@ class PortConnection {
     if (!bus.has_ports()) return PortConnection(bus, nullptr);
     auto url = url_at_port(bus.url(), endpoint.port_offset());
     if (!url) return pass_on(url);
-    auto own = Bus::create(*url);
+    auto own = Bus::create_port(*url);
     if (!own) return pass_on(own, endpoint.chunk_channel());
     auto& opened = **own;
     return PortConnection(opened, std::move(*own));
