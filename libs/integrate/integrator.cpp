@@ -12,6 +12,7 @@
 #include "integrate/free_rays.hpp"
 #include "integrate/marks.hpp"
 #include "integrate/quality.hpp"
+#include "integrate/ray_order.hpp"
 
 namespace voxatlas {
 namespace {
@@ -105,6 +106,8 @@ struct Integrator::State {
   Marks misses, hits;
   ColourMeans colours;
   std::vector<ColourMeans::Seen> seen;
+  std::vector<Eigen::Vector3d> free_ends;  ///< Of the rays to carve, in voxels.
+  RayOrder order;
 
   void reset(int depth);
   /// Marks every cell of the scan's rays.
@@ -120,6 +123,7 @@ void Integrator::State::reset(int depth) {
   hits.reset(std::min(parameters.surface_depth, depth), reach);
   colours.clear();
   seen.clear();
+  free_ends.clear();
 }
 
 IntegrationCounts Integrator::State::mark(const Scan& scan) {
@@ -141,7 +145,7 @@ IntegrationCounts Integrator::State::mark(const Scan& scan) {
   const FreeRays free_rays(scan.utime, coarser);
   const auto miss = [&](const Eigen::Vector3d& endpoint_ecef, const Eigen::Vector3d& end_ecef) {
     if (!carves || !free_rays.has(endpoint_ecef)) return;
-    carve(origin * scale, grid.to_voxels(end_ecef) * scale, rays);
+    free_ends.push_back(grid.to_voxels(end_ecef));
   };
   const SureHits sure(grid, scan.origin_ecef, min_range, parameters.max_range);
   for (std::size_t i = 0; i < scan.endpoints_ecef.size(); ++i) {
@@ -157,13 +161,16 @@ IntegrationCounts Integrator::State::mark(const Scan& scan) {
     if (ray.kind == Ray::kHit) hit(ray.end_voxel, i);
     if (ray.kind == Ray::kHit || ray.kind == Ray::kBeyondMax) miss(end_ecef, ray.end_ecef);
   }
+  // Coarse cells have so few bricks that they are in the cache in any order.
+  if (scale == 1) order.sort(origin, free_ends);
+  for (const auto& end : free_ends) carve(origin * scale, end * scale, rays);
   rays.merge();
   if (scale != 1) add_cells(carved, misses);
   return counts;
 }
 
 Integrator::Integrator(const Grid& grid, const IntegrationParameters& parameters)
-    : state_(new State{grid, parameters, {}, {}, {}, {}, {}}) {
+    : state_(new State{grid, parameters, {}, {}, {}, {}, {}, {}, {}}) {
   VOX_CHECK(parameters.check().has_value());
 }
 
