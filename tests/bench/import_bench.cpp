@@ -1,11 +1,11 @@
 // bench_import: how fast scans become tiles, beside OctoMap on the same scans in the same run.
 //
 // Prints lines `name value unit`. Every measurement is a process of its own, so that memory is what
-// one map takes; times are processor time of one thread, but for threads2_speedup. "cold" is the
-// first quarter of the scans, into an empty map; "warm", or nothing said, the others. Ours is the
-// median of five runs, "noise" how far the fastest and the slowest lay apart. Where OctoMap carves
-// less than 15 000 rays/s, which is slower than the machine this limit is of, a ratio's unit is
-// x_void.
+// one map takes, on huge pages; times are processor time of one thread, but for threads2_speedup.
+// "cold" is the first quarter of the scans, into an empty map; "warm", or nothing said, the others.
+// Ours is the median of five runs, "noise" how far the fastest and the slowest lay apart. Where
+// OctoMap carves less than 15 000 rays/s, which is slower than the machine this limit is of, a
+// ratio's unit is x_void.
 #include <fmt/format.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -17,6 +17,7 @@
 #include <functional>
 
 #include "base/check.hpp"
+#include "bench/huge_pages.hpp"
 #include "bench/import_case.hpp"
 #include "bench/import_scans.hpp"
 
@@ -151,6 +152,7 @@ int serve(const Options& options) {
 }  // namespace voxatlas::bench
 
 int main(int argc, char** argv) {
+  voxatlas::bench::put_heap_on_huge_pages(argv);
   voxatlas::bench::Options options;
   CLI::App app{"Scans into tiles: rays a second, and ratios to OctoMap on the same scans"};
   app.add_option("--data", options.data, "scans in KITTI odometry form [the simulated drive]");

@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "bench/huge_pages.hpp"
 #include "bench/import_case.hpp"
 #include "bench/import_scans.hpp"
 
@@ -36,6 +37,7 @@ int serve(const Options& options) {
 }  // namespace voxatlas::bench
 
 int main(int argc, char** argv) {
+  voxatlas::bench::put_heap_on_huge_pages(argv);
   voxatlas::bench::Options options;
   CLI::App app{"OctoMap carving at 10 cm, rays a second"};
   app.add_option("--data", options.data, "scans in KITTI odometry form [the simulated drive]");
