@@ -158,8 +158,8 @@ HWY_ATTR Rows rows_of(Row u0, Row u1, Row v0, Row v1, hn::Mask<Lanes> u_first) {
 }
 
 /// ORs rows into a brick's plane; what lies beyond its rows is shifted out.
-HWY_ATTR void mark(const SlabRay& ray, std::int32_t a, std::int32_t u, std::int32_t v, Row bits0,
-                   Row bits1, Row shift0, Row shift1, Marks& marks) {
+HWY_INLINE HWY_ATTR void mark(const SlabRay& ray, std::int32_t a, std::int32_t u, std::int32_t v,
+                              Row bits0, Row bits1, Row shift0, Row shift1, Marks& marks) {
   const Lanes d;
   const Words words;
   const auto half = hn::Set(d, 32u);
@@ -179,8 +179,8 @@ HWY_ATTR void mark(const SlabRay& ray, std::int32_t a, std::int32_t u, std::int3
   hn::Store(hn::Or(hn::Load(words, plane + 4), second), words, plane + 4);
 }
 
-HWY_ATTR void mark_bricks(const SlabRay& ray, std::int32_t a, const Reach& u, const Reach& v,
-                          const Rows& rows, Marks& marks) {
+HWY_INLINE HWY_ATTR void mark_bricks(const SlabRay& ray, std::int32_t a, const Reach& u,
+                                     const Reach& v, const Rows& rows, Marks& marks) {
   if (u.low == u.high && v.low == v.high) {
     return mark(ray, a, u.low, v.low, rows.bits0, rows.bits1, rows.shift0, rows.shift1, marks);
   }
@@ -198,8 +198,8 @@ HWY_ATTR void mark_bricks(const SlabRay& ray, std::int32_t a, const Reach& u, co
 
 /// The first and the last step: what lies before the ray's ends is no cell of its, and the ends'
 /// cells are known. Of the end's own cell the bit is taken away.
-HWY_ATTR Rows end_rows(const SlabRay& ray, std::int32_t a, const Reach& u, const Reach& v,
-                       hn::Mask<Lanes> u_first) {
+HWY_NOINLINE HWY_ATTR Rows end_rows(const SlabRay& ray, std::int32_t a, const Reach& u,
+                                    const Reach& v, hn::Mask<Lanes> u_first) {
   const Lanes d;
   const auto slab = hn::BitCast(Ints(), hn::Load(d, kSlabs));
   const auto first = hn::Set(Ints(), ray.first - 8 * a), last = hn::Set(Ints(), ray.last - 8 * a);
