@@ -26,7 +26,7 @@ import drives  # noqa: E402
 from service_set import ServiceSet, default_bin_dir  # noqa: E402
 
 CASES = {"free80": ["--free-depth", 4, "--all-rays-free", "true"],
-         "sampled80": ["--free-depth", 4],  # By one ray in 64, the default.
+         "sampled80": ["--free-depth", 4],  # By one ray in 80, the default.
          "carve10": ["--free-depth", 7]}
 LEAST = {"free80_rays_per_s": 1e6, "carve10_rays_per_s": 0.5e6, "carve10_vs_octomap_inprocess": 20}
 CITIES_APART_DEG = 1.0
