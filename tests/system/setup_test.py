@@ -55,6 +55,15 @@ class Setup(harness.SystemTest):
         self.assertIn("packages are there", second.stdout)
         self.assertEqual(len(self.asked()), 2)
 
+    def test_the_programs_alone_ask_for_less(self):
+        done = self.setup_as(0, "--programs")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("librocksdb-dev", done.stdout)
+        self.assertNotIn("clang-format-14", done.stdout)
+        rest = self.setup_as(0)
+        self.assertIn("clang-format-14", rest.stdout)
+        self.assertNotIn("librocksdb-dev", rest.stdout)
+
     def test_with_all_there_nobody_needs_root(self):
         self.setup_as(0)
         self.assertEqual(self.setup_as(1000).returncode, 0)
