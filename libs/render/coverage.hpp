@@ -43,6 +43,10 @@ class Coverage {
   /// True where every pixel of the rect is drawn.
   bool covers(const PixelRect& rect) const {
     const PixelRect blocks{rect.xa >> 3, rect.ya >> 3, rect.xb >> 3, rect.yb >> 3};
+    if (blocks.xa == blocks.xb && blocks.ya == blocks.yb) {  // Most are as small.
+      const std::uint64_t drawn = drawn_[block_index(blocks.xa, blocks.ya)];
+      return (within(rect, blocks.xa, blocks.ya) & ~drawn) == 0;
+    }
     for (int gy = blocks.ya >> 3; gy <= blocks.yb >> 3; ++gy) {
       for (int gx = blocks.xa >> 3; gx <= blocks.xb >> 3; ++gx) {
         std::uint64_t open = within(blocks, gx, gy) & ~full_[group_index(gx, gy)];

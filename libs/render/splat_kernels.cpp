@@ -164,10 +164,10 @@ void StripPainter<kMap>::visit(int depth, TreeChildren children, const Corner& c
   const ChildRects rects = project(depth, corner);
   const std::uint32_t seen = children.octants & rects.visible;
   if (seen == 0) return;
-  const std::uint32_t nearest = pixels_.nearest_octant(corner, edge);
-  for (std::uint32_t step = 0; step < 8; ++step) {
-    const std::uint32_t octant = step ^ nearest;
-    if ((seen & 1u << octant) == 0) continue;
+  const auto& first_met = kFirstMet[pixels_.nearest_octant(corner, edge)];
+  for (std::uint32_t left = seen; left != 0;) {
+    const std::uint32_t octant = first_met[left];
+    left ^= 1u << octant;
     const PixelRect rect{rects.xa[octant], rects.ya[octant], rects.xb[octant], rects.yb[octant]};
     const bool hidden = strip_.coverage.covers(rect);
     if (hidden && strip_.cull) continue;

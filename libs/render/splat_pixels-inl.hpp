@@ -91,6 +91,8 @@ class PixelPainter {
   std::uint32_t meet(const Faces& faces, std::size_t at, std::array<float, 8>& entry) const;
   std::uint64_t cast(int depth, TreeChildren children, const Corner& corner, std::size_t block,
                      std::uint64_t pixels);
+  std::uint64_t cast_at_cells(TreeChildren cells, const Corner& corner, int edge, std::size_t block,
+                              std::uint64_t pixels);
 
   const SplatFrame& frame_;
   SplatStrip& strip_;
@@ -110,6 +112,7 @@ std::uint32_t PixelPainter<kMap>::nearest_octant(const Corner& corner, int edge)
 
 template <bool kMap>
 Faces PixelPainter<kMap>::faces_of(const Corner& corner, int edge) const {
+  constexpr std::array<std::uint32_t, 3> kUpper = {0xaa, 0xcc, 0xf0};  // Octants, by axis.
   Faces faces;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     std::array<float, 3> plane;
@@ -117,10 +120,12 @@ Faces PixelPainter<kMap>::faces_of(const Corner& corner, int edge) const {
       plane[static_cast<std::size_t>(i)] =
           static_cast<float>(corner[axis] + i * edge) - frame_.in_voxel[axis];
     }
-    for (std::size_t octant = 0; octant < 8; ++octant) {
-      const std::size_t upper = octant >> axis & 1;
-      faces.low[axis][octant] = plane[upper];
-      faces.high[axis][octant] = plane[upper + 1];
+    for (std::size_t i = 0; i < 8; i += hn::Lanes(kFloats)) {
+      const auto upper = mask_of(kUpper[axis] >> i);
+      hn::Store(hn::IfThenElse(upper, all(plane[1]), all(plane[0])), kFloats,
+                faces.low[axis].data() + i);
+      hn::Store(hn::IfThenElse(upper, all(plane[2]), all(plane[1])), kFloats,
+                faces.high[axis].data() + i);
     }
   }
   return faces;
@@ -172,6 +177,7 @@ template <bool kMap>
 std::uint64_t PixelPainter<kMap>::cast(int depth, TreeChildren children, const Corner& corner,
                                        std::size_t block, std::uint64_t pixels) {
   const int edge = 1 << (kDepth - depth);
+  if (depth == tile_->depth) return cast_at_cells(children, corner, edge, block, pixels);
   const Faces faces = faces_of(corner, edge);
   const auto& first_met = kFirstMet[nearest_octant(corner, edge)];
   std::array<float, 8> entry;
@@ -185,21 +191,43 @@ std::uint64_t PixelPainter<kMap>::cast(int depth, TreeChildren children, const C
       const std::uint32_t node =
           children.first +
           static_cast<std::uint32_t>(std::popcount(children.octants & ((1u << octant) - 1)));
-      if (depth < tile_->depth) {
-        if (const auto below = children_of(tile_->links, node); below.octants != 0) {
-          const Corner child{corner[0] + (octant & 1 ? edge : 0),
-                             corner[1] + (octant & 2 ? edge : 0),
-                             corner[2] + (octant & 4 ? edge : 0)};
-          if (cast(depth + 1, below, child, block, pixel) == 0) continue;
-          met |= pixel;
-          break;
-        }
+      if (const auto below = children_of(tile_->links, node); below.octants != 0) {
+        const Corner child{corner[0] + (octant & 1 ? edge : 0), corner[1] + (octant & 2 ? edge : 0),
+                           corner[2] + (octant & 4 ? edge : 0)};
+        if (cast(depth + 1, below, child, block, pixel) == 0) continue;
+        met |= pixel;
+        break;
       }
       strip_.z[at] = entry[octant] * frame_.voxel_metres;
       strip_.cell[at] = tile_->first_number + node;
       met |= pixel;
       break;
     }
+  }
+  return met;
+}
+
+/// The children are drawn whole: the first that a ray meets is what its pixel shows.
+template <bool kMap>
+std::uint64_t PixelPainter<kMap>::cast_at_cells(TreeChildren cells, const Corner& corner, int edge,
+                                                std::size_t block, std::uint64_t pixels) {
+  const Faces faces = faces_of(corner, edge);
+  const auto& first_met = kFirstMet[nearest_octant(corner, edge)];
+  const std::uint32_t number = tile_->first_number + cells.first;
+  const float metres = frame_.voxel_metres;
+  std::uint32_t* const shown = strip_.cell.data() + block * 64;
+  float* const z = strip_.z.data() + block * 64;
+  std::array<float, 8> entry;
+  std::uint64_t met = 0;
+  for (; pixels != 0; pixels &= pixels - 1) {
+    const auto pixel = static_cast<std::size_t>(std::countr_zero(pixels));
+    const std::uint32_t hit = cells.octants & meet(faces, block * 64 + pixel, entry);
+    if (hit == 0) continue;
+    const std::uint32_t octant = first_met[hit];
+    shown[pixel] =
+        number + static_cast<std::uint32_t>(std::popcount(cells.octants & ((1u << octant) - 1)));
+    z[pixel] = entry[octant] * metres;
+    met |= pixels & -pixels;
   }
   return met;
 }
