@@ -2,15 +2,17 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cstdint>
 
 #include "octree/colour.hpp"
 
 namespace voxatlas {
 
-/// A colour under light: each channel times it, 0..1.
+/// A colour under light: each channel times it, 0..1. In whole numbers: floats take twice as long.
 inline Rgb lit(Rgb colour, float light) {
-  const auto channel = [light](std::uint8_t x) {
-    return static_cast<std::uint8_t>(static_cast<float>(x) * light + 0.5f);
+  const auto share = static_cast<std::uint32_t>(light * 65'536 + 0.5f);
+  const auto channel = [share](std::uint8_t x) {
+    return static_cast<std::uint8_t>((x * share + 32'768) >> 16);
   };
   return {channel(colour.r), channel(colour.g), channel(colour.b)};
 }

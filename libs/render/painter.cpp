@@ -61,8 +61,8 @@ Status Painter::paint(const Camera& camera, const Grid& grid, std::span<const Pl
   const std::int64_t shading = steady_utime();
   if (options.fill_holes) fill_holes(painting.cells);
   const auto seen = in_view(camera, grid, trees);
-  painting.image = shade(painting.cells, TreeNumbers(trees), camera, grid,
-                         scene_heights(camera, grid, seen), options.colouring, splatter_.workers());
+  shade(painting.cells, TreeNumbers(trees), camera, grid, scene_heights(camera, grid, seen),
+        options.colouring, splatter_.workers(), painting.image);
   painting.shade_ms = milliseconds_since(shading);
 
   const std::int64_t over = steady_utime();

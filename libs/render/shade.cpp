@@ -105,7 +105,9 @@ class TreeShader {
       }
       if (number != shaded) {
         const Eigen::Vector3f sight = sights.at(x);
-        const float height = (starts.at(x) + cells_.z[at] * sight).dot(up_);
+        const auto height = [&] {
+          return static_cast<double>((starts.at(x) + cells_.z[at] * sight).dot(up_));
+        };
         colour = colour_of(*shown[static_cast<std::size_t>(x - first)], number, sight, height);
       }
       shaded = number;
@@ -122,11 +124,13 @@ class TreeShader {
     return {first.cast<float>(), (second - first).cast<float>()};
   }
 
+  /// `height()`: above the camera, metres; most colours do without.
+  template <class Height>
   Rgb colour_of(const CellPaint& paint, std::uint32_t number, const Eigen::Vector3f& sight,
-                float height) const {
+                const Height& height) const {
     const Eigen::Vector3f& normal = normals_[paint.normal_index()];
     if (colouring_ == Colouring::kNormal) return normal_colour(normal, sight);
-    return lit(own(paint, number, static_cast<double>(height)), sun_.on(normal, sight));
+    return lit(own(paint, number, height), sun_.on(normal, sight));
   }
   /// The side that is seen.
   Rgb normal_colour(Eigen::Vector3f normal, const Eigen::Vector3f& sight) const {
@@ -137,16 +141,16 @@ class TreeShader {
     };
     return {level(normal.dot(east_)), level(normal.dot(up_.cross(east_))), level(normal.dot(up_))};
   }
-  /// `height`: above the camera, metres.
-  Rgb own(const CellPaint& paint, std::uint32_t number, double height) const {
+  template <class Height>
+  Rgb own(const CellPaint& paint, std::uint32_t number, const Height& height) const {
     if (colouring_ == Colouring::kProbability) {
       return ramp_colour(2 * to_probability(paint.log_odds()) - 1);
     }
     if (colouring_ == Colouring::kLeafDepth)
       return depth_colour(numbers_.depth(numbers_.find(number)));
-    if (colouring_ == Colouring::kEllipsoid) return ellipsoid_colour(height_ + height);
+    if (colouring_ == Colouring::kEllipsoid) return ellipsoid_colour(height_ + height());
     if (colouring_ == Colouring::kRgb && paint.coloured()) return paint.rgb();
-    return by_height_.at(height - ground_);
+    return by_height_.at(height() - ground_);
   }
 
   const CellImage& cells_;
@@ -176,10 +180,13 @@ Result<Colouring> colouring_of(const std::string& name) {
               fmt::format("colouring \"{}\" is not one of {}", name, fmt::join(kNames, ", ")));
 }
 
-Image shade(const CellImage& cells, const TreeNumbers& numbers, const Camera& camera,
-            const Grid& grid, const SceneHeights& heights, Colouring colouring, Workers& workers) {
+void shade(const CellImage& cells, const TreeNumbers& numbers, const Camera& camera,
+           const Grid& grid, const SceneHeights& heights, Colouring colouring, Workers& workers,
+           Image& image) {
   const TreeShader shader(cells, numbers, camera, grid, heights, colouring);
-  Image image(cells.width, cells.height);
+  image.width = cells.width;
+  image.height = cells.height;
+  image.pixels.resize(cells.cell.size());
   std::vector<TreeShader::Scratch> scratch(workers.count());
   constexpr int kRows = 16;
   const auto bands = static_cast<std::size_t>((cells.height + kRows - 1) / kRows);
@@ -187,7 +194,6 @@ Image shade(const CellImage& cells, const TreeNumbers& numbers, const Camera& ca
     const int first = static_cast<int>(band) * kRows;
     shader.band(first, std::min(cells.height, first + kRows), scratch[worker], image);
   });
-  return image;
 }
 
 }  // namespace voxatlas

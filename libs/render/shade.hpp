@@ -50,7 +50,8 @@ SceneHeights scene_heights(const Camera& camera, const Grid& grid,
 /// behind them the sky, lighter towards the horizon, and pale grey below it, where nothing is
 /// known. Heights are those of the points that pixels show.
 /// Cost: some 20 ns a pixel, shared by the workers.
-Image shade(const CellImage& cells, const TreeNumbers& numbers, const Camera& camera,
-            const Grid& grid, const SceneHeights& heights, Colouring colouring, Workers& workers);
+void shade(const CellImage& cells, const TreeNumbers& numbers, const Camera& camera,
+           const Grid& grid, const SceneHeights& heights, Colouring colouring, Workers& workers,
+           Image& image);
 
 }  // namespace voxatlas

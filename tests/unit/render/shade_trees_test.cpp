@@ -24,8 +24,10 @@ class ShadedStreet {
   Image shaded(Colouring colouring, std::size_t threads) {
     Splatter splatter(threads);
     REQUIRE(splatter.draw(camera_, scene_.grid(), placed_, {}, cells_).has_value());
-    return shade(cells_, TreeNumbers(placed_), camera_, scene_.grid(), heights(), colouring,
-                 splatter.workers());
+    Image image;
+    shade(cells_, TreeNumbers(placed_), camera_, scene_.grid(), heights(), colouring,
+          splatter.workers(), image);
+    return image;
   }
 
   SceneHeights heights() const { return scene_heights(camera_, scene_.grid(), placed_); }
