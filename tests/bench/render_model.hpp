@@ -19,8 +19,8 @@ using Model = std::map<TileKey, TileTree>;
 /// Where the scans of a model come from: a folder in KITTI form, or else the simulated drive.
 struct ModelSource {
   std::string data, poses = "poses.txt";
-  std::size_t scans = 1600;
-  double speed = 40;  ///< Of the simulated car, metres a second: how far apart scans are.
+  std::size_t scans = 1200;
+  double speed = 20;  ///< Of the simulated car, metres a second: how far apart scans are.
   double azimuth_step_deg = 0.2;  ///< Of the simulated scanners.
   bool surfaces_only = false;     ///< No free space.
   /// A file that keeps the model: read where it stands, else written. Who changes one of the others

@@ -5,7 +5,7 @@ from page import number
 NAME = "frames"
 TITLE = "Table 1 and figure 6: pictures at each depth"
 PAPER_MS = [3, 9, 19, 47, 165, 804, 3402, 10820]
-MOST_SCANS = 1600  # Of the render bench's own drive: 40 m/s, fine in azimuth.
+MOST_SCANS = 1200  # Of the render bench's own drive: 20 m/s, fine in azimuth.
 SMALL = ["--width", 320, "--height", 180, "--repeat", 3]
 MUST_MS, NO_SLOWER = 40, 1.10
 
