@@ -6,7 +6,6 @@ it prints goes to DATA_DIR/logs/NAME.log. Waiting is for facts: a process that e
 services' own word on the bus that they are ready.
 """
 
-import ctypes
 import os
 import pathlib
 import queue
@@ -24,8 +23,6 @@ STOP_SECONDS = 60
 # A signal that comes just before Python begins to wait is only seen after the wait: so none is long.
 LONGEST_WAIT_SECONDS = 0.5
 READY_SECONDS = 60
-PR_SET_PDEATHSIG = 1
-_libc = ctypes.CDLL(None)
 
 
 class SetError(Exception):
@@ -40,20 +37,10 @@ def default_bin_dir():
 
 def start_process(command, env, ended, **options):
     """Starts a process that ends with its parent and puts itself into `ended` when it ends."""
-    # A Ctrl-C waits until the child is no Python any more: there it would end in a traceback.
-    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-
-    def prepare():
-        _libc.prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
-        if signal.getsignal(signal.SIGINT) is not signal.SIG_IGN:
-            signal.signal(signal.SIGINT, signal.SIG_DFL)
-        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
-
-    try:
-        process = subprocess.Popen([str(part) for part in command], env=env,
-                                   stdin=subprocess.DEVNULL, preexec_fn=prepare, **options)
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
+    # setpriv asks for the signal, not a preexec_fn: Python code between fork and exec may wait for
+    # ever for what a thread of the parent held, and a Ctrl-C there ends in a traceback.
+    process = subprocess.Popen(["setpriv", "--pdeathsig", "TERM", "--", *map(str, command)],
+                               env=env, stdin=subprocess.DEVNULL, **options)
 
     def tell():
         process.wait()
