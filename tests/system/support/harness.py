@@ -4,6 +4,7 @@ A test file ends with `harness.main()`. CTest runs it in a network namespace of 
 (scripts/in_namespace), with VOX_BIN_DIR naming the programs; by hand: the same script, the same way.
 """
 
+import faulthandler
 import os
 import pathlib
 import sys
@@ -46,6 +47,8 @@ def multicast_here():
 
 
 def main():
+    # CTest ends a test after 300 s: before that it says where it waits.
+    faulthandler.dump_traceback_later(270, repeat=True)
     program = unittest.main(exit=False, verbosity=2)
     if not program.result.wasSuccessful():
         sys.exit(1)
