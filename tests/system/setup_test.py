@@ -3,18 +3,22 @@
 
 import os
 import shutil
+import signal
 import subprocess
 
 from support import harness
 
-TOOLS = ["bash", "sed", "grep", "sort", "wc", "mktemp", "tail", "rm", "env", "cat", "true"]
+TOOLS = ["bash", "sed", "grep", "sort", "wc", "mktemp", "tail", "rm", "env", "cat", "true", "setsid"]
 PRETENDERS = {
     "dpkg-query": '''cat "$FAKE/installed"''',
     "id": '''echo "$FAKE_UID"''',
     "apt-get": '''echo "$*" >> "$FAKE/asked"
 case "$*" in
   *" update"*) [ ! -e "$FAKE/offline" ] || { echo "Could not resolve"; exit 100; } ;;
-  *" install "*) for word; do echo "installed $word"; done >> "$FAKE/installed" ;;
+  *--download-only*) ;;
+  *" install "*)
+    [ ! -p "$FAKE/begun" ] || { echo > "$FAKE/begun"; read -r < "$FAKE/go"; }
+    for word; do echo "installed $word"; done >> "$FAKE/installed" ;;
 esac''',
 }
 
@@ -35,9 +39,11 @@ class Setup(harness.SystemTest):
         path.write_text(f"#!/bin/bash\n{script}\n")
         path.chmod(0o755)
 
+    def env_of(self, uid):
+        return {**os.environ, "PATH": str(self.bin), "FAKE": str(self.folder), "FAKE_UID": str(uid)}
+
     def setup_as(self, uid, *options):
-        env = {**os.environ, "PATH": str(self.bin), "FAKE": str(self.folder), "FAKE_UID": str(uid)}
-        return subprocess.run([harness.SCRIPTS / "setup", *options], env=env, text=True,
+        return subprocess.run([harness.SCRIPTS / "setup", *options], env=self.env_of(uid), text=True,
                               capture_output=True, stdin=subprocess.DEVNULL, check=False)
 
     def asked(self):
@@ -48,12 +54,12 @@ class Setup(harness.SystemTest):
         first = self.setup_as(0)
         self.assertEqual(first.returncode, 0, first.stderr)
         self.assertIn("librocksdb-dev", first.stdout)
-        self.assertEqual(len(self.asked()), 2)
-        self.assertIn("--no-install-recommends", self.asked()[1])
+        self.assertEqual(len(self.asked()), 3)  # Lists, a download, what was downloaded.
+        self.assertIn("--no-install-recommends", self.asked()[2])
         second = self.setup_as(0)
         self.assertEqual(second.returncode, 0, second.stderr)
         self.assertIn("packages are there", second.stdout)
-        self.assertEqual(len(self.asked()), 2)
+        self.assertEqual(len(self.asked()), 3)
 
     def test_the_programs_alone_ask_for_less(self):
         done = self.setup_as(0, "--programs")
@@ -79,7 +85,7 @@ class Setup(harness.SystemTest):
         self.pretend("sudo", '[ "$1" != -n ] || shift; exec "$@"')
         done = self.setup_as(1000)
         self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertEqual(len(self.asked()), 2)
+        self.assertEqual(len(self.asked()), 3)
 
     def test_a_sudo_that_refuses_is_said(self):
         self.pretend("sudo", "exit 1")
@@ -92,6 +98,24 @@ class Setup(harness.SystemTest):
         done = self.setup_as(0)
         self.assertEqual(done.returncode, 1)
         self.assertIn("Could not resolve", done.stderr)
+
+    def test_ctrl_c_lets_dpkg_finish_what_it_has_begun(self):
+        for pipe in ("begun", "go"):
+            os.mkfifo(self.folder / pipe)
+        go = os.open(self.folder / "go", os.O_RDWR)
+        self.addCleanup(os.close, go)
+        process = subprocess.Popen([harness.SCRIPTS / "setup"], env=self.env_of(0), text=True,
+                                   stdout=subprocess.PIPE, stdin=subprocess.DEVNULL,
+                                   start_new_session=True)
+        self.addCleanup(process.stdout.close)
+        self.addCleanup(process.kill)
+        self.assertIn("installing", process.stdout.readline())
+        (self.folder / "begun").read_text()
+        os.killpg(process.pid, signal.SIGINT)
+        self.assertIn("dpkg", process.stdout.readline())
+        os.write(go, b"\n")
+        self.assertEqual(process.wait(), 130)
+        self.assertIn("installed librocksdb-dev", (self.folder / "installed").read_text())
 
 
 if __name__ == "__main__":
