@@ -6,6 +6,7 @@ stop; `voxatlas watch` among them waits for as many words as it was told to.
 """
 
 import os
+import select
 import signal
 import stat
 import subprocess
@@ -106,6 +107,21 @@ class Up(harness.SystemTest):
         process.communicate()
         self.assertEqual(process.returncode, 0)
         self.assertEqual(self.order()[-1], "tilestore")
+
+    def test_the_services_end_with_a_supervisor_that_is_killed(self):
+        process = self.up()
+        pids = [int(line.split()[4].strip(","))
+                for line in self.lines_until_all_ready(process)[1:-1]]
+        ends = {os.pidfd_open(pid): pid for pid in pids}
+        process.kill()
+        outliving = []
+        for end, pid in ends.items():
+            self.addCleanup(os.close, end)
+            if not select.select([end], [], [], 5)[0]:
+                os.kill(pid, signal.SIGKILL)
+                outliving.append(pid)
+        self.assertEqual(outliving, [])
+        self.assertEqual(sorted(self.order()), ["compress", "ingest", "render", "tilestore"])
 
     def test_a_service_that_ends_at_start_up_makes_up_fail_with_its_last_words(self):
         (self.bin / "dies").write_text("voxatlas-render")
