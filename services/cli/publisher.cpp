@@ -67,18 +67,22 @@ bool Publisher::has_room(std::int64_t now) const {
          });
 }
 
+/// Of equals the one whose turn was longest ago: where the first of them could keep up alone, an
+/// ingest that joins would get nothing to do.
 Publisher::Ingest* Publisher::least_loaded(std::int64_t now) {
+  const auto load = [](const Ingest& ingest) {
+    return std::pair(ingest.unacknowledged.size(), ingest.last_turn);
+  };
   Ingest* best = nullptr;
   for (auto& [index, ingest] : ingests_) {
     if (!ingest.is_there(now)) continue;
-    if (best == nullptr || ingest.unacknowledged.size() < best->unacknowledged.size()) {
-      best = &ingest;
-    }
+    if (best == nullptr || load(ingest) < load(*best)) best = &ingest;
   }
   return best;
 }
 
 void Publisher::give(Ingest& ingest, std::int64_t seq, Bytes scan) {
+  ingest.last_turn = ++turns_;
   ingest.unacknowledged.push_back(
       {ingest.link->producer().offer(MessageKind::kScan, std::move(scan)), seq});
 }

@@ -15,7 +15,7 @@
 namespace voxatlas {
 
 /// The sending side of reliable publishing: scans go to whichever ingest has taken most of what it
-/// was given, and count as durable when it says so.
+/// was given, to equals in turn, and count as durable when it says so.
 ///
 /// Source:  DESIGN section 6: at most kMaxInFlight scans are unacknowledged, because a shard keeps
 ///          a source's scans that come too early in memory.
@@ -58,7 +58,8 @@ class Publisher {
   struct Ingest {
     std::unique_ptr<OutLink> link;
     std::int64_t known_since = 0;
-    std::int64_t ready_at = 0;  ///< When it last said that it is ready; 0: never.
+    std::int64_t ready_at = 0;    ///< When it last said that it is ready; 0: never.
+    std::uint64_t last_turn = 0;  ///< Of turns_, when it was given a scan; 0: never.
     std::deque<InFlight> unacknowledged;
 
     std::int64_t last_heard() const;
@@ -80,6 +81,7 @@ class Publisher {
   std::deque<std::pair<std::int64_t, Bytes>>
       homeless_;               ///< Scans, by seq, of ingests that went; not given to others yet.
   std::int64_t next_seq_ = 0;  ///< After the last one published.
+  std::uint64_t turns_ = 0;    ///< Scans given to ingests.
   std::uint64_t durable_ = 0, moved_ = 0, resent_by_gone_ = 0;
 };
 

@@ -39,7 +39,7 @@ class Stall(PublishTest):
             publish = self.begin_publish(services)
             self.wait_for_updates(updates, UPDATES_BEFORE_A_FAULT, publish)
             late.start(services.ended)
-            self.wait_for_counter(services, "ingest", 1, "scans_acknowledged", 5)
+            self.wait_for_counter(services, "ingest", 1, "scans_acknowledged", 5, publish)
             store = services.find("tilestore", 0)
             store.signal(signal.SIGSTOP)
             time.sleep(STOPPED_SECONDS)  # The time is the fault.
@@ -60,7 +60,8 @@ class Stall(PublishTest):
                 services.wait_until_ready()
                 if service.kind in WORK_DONE:
                     self.wait_for_counter(services, service.kind,
-                                          int(service.name.split()[1]), WORK_DONE[service.kind], 1)
+                                          int(service.name.split()[1]), WORK_DONE[service.kind], 1,
+                                          publish)
                 away = time.monotonic() - began
                 self.wait_for_updates(updates, UPDATES_BEFORE_A_FAULT, publish)
                 pause = updates.longest_pause()

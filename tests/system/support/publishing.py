@@ -91,8 +91,8 @@ class PublishTest(harness.SystemTest):
             self.end_publish(publish)
             self.assertEqual(tile_hashes(services), self.undisturbed)
 
-    def wait_for_counter(self, services, kind, index, counter, least):
-        """Returns when a service says that a counter of its is so high."""
+    def wait_for_counter(self, services, kind, index, counter, least, publish=None):
+        """Returns when a service says that a counter of its is so high, while `publish` goes on."""
         status = services.begin("watch", "status", "--json", stdout=subprocess.PIPE, text=True)
         self.addCleanup(status.communicate)
         self.addCleanup(status.kill)
@@ -102,6 +102,8 @@ class PublishTest(harness.SystemTest):
                     said["counters"].get(counter, 0) >= least:
                 status.kill()
                 return
+            if publish and publish.poll() is not None:
+                self.fail(f"the publish was over before {counter} of {kind} {index} was {least}")
 
     def restart(self, services, kind, index=0):
         service = services.find(kind, index)

@@ -39,6 +39,14 @@ class Ingest {
   std::deque<StreamMessage> waiting_;
 };
 
+scan_t numbered(std::int64_t seq) {
+  scan_t scan{};
+  scan.source = "car";
+  scan.seq = seq;
+  scan.parts = 1;
+  return scan;
+}
+
 TEST_CASE("scans go to whichever ingest keeps up, and each to one", "[cli]") {
   constexpr std::int64_t kScans = 600;
   auto bus = Bus::create("memq://").value();
@@ -49,11 +57,7 @@ TEST_CASE("scans go to whichever ingest keeps up, and each to one", "[cli]") {
   std::size_t most_in_flight = 0;
   for (int round = 0; publisher->durable() < kScans && steady_utime() < end; ++round) {
     while (next < kScans && publisher->has_room(steady_utime())) {
-      scan_t scan{};
-      scan.source = "car";
-      scan.seq = next++;
-      scan.parts = 1;
-      publisher->publish(scan, steady_utime());
+      publisher->publish(numbered(next++), steady_utime());
     }
     most_in_flight = std::max(most_in_flight, publisher->in_flight());
     REQUIRE(publisher->pump(steady_utime()).has_value());
@@ -72,6 +76,26 @@ TEST_CASE("scans go to whichever ingest keeps up, and each to one", "[cli]") {
   REQUIRE(all.size() == kScans);
   REQUIRE(fast.seqs.size() + slow.seqs.size() == kScans);
   REQUIRE(*all.rbegin() == kScans - 1);
+}
+
+TEST_CASE("ingests that are equally idle take turns", "[cli]") {
+  constexpr std::int64_t kScans = 20;
+  auto bus = Bus::create("memq://").value();
+  Ingest one(*bus, 0, 1), other(*bus, 1, 1);
+  auto publisher = Publisher::create(*bus, 2, steady_utime()).value();
+  const auto end = steady_utime() + kPatienceUs;
+  for (std::int64_t seq = 0; seq < kScans; ++seq) {
+    publisher->publish(numbered(seq), steady_utime());
+    while (publisher->in_flight() > 0 && steady_utime() < end) {
+      REQUIRE(publisher->pump(steady_utime()).has_value());
+      REQUIRE(bus->handle_waiting().has_value());
+      one.turn(0);
+      other.turn(0);
+    }
+  }
+  REQUIRE(publisher->durable() == kScans);
+  REQUIRE(one.seqs.size() == kScans / 2);
+  REQUIRE(other.seqs.size() == kScans / 2);
 }
 
 }  // namespace
