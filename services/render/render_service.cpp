@@ -130,8 +130,8 @@ void RenderService::on_tile_update(const tile_update_t& update, Moment now) {
   const auto key = grid_.tile_from_morton(static_cast<std::uint64_t>(update.tile));
   if (!key || update.version <= 0) return;
   const auto version = static_cast<std::uint64_t>(update.version);
-  directory_.update(*key, version, now.steady);
-  cache_.update({*key, version, update.content, update.payload, update.utime}, now.steady);
+  const bool watched = directory_.update(*key, version, now.steady);
+  cache_.update({*key, version, update.content, update.payload, update.utime}, watched, now.steady);
   ++generation_;
 }
 

@@ -119,11 +119,12 @@ void TileDirectory::take(const TileRange& range, const std::vector<ListedTile>& 
   forget_some();
 }
 
-void TileDirectory::update(TileKey key, std::uint64_t version, std::int64_t now) {
+bool TileDirectory::update(TileKey key, std::uint64_t version, std::int64_t now) {
   const auto block = blocks_.find(morton_encode(block_of(key)));
-  if (block == blocks_.end()) return;
+  if (block == blocks_.end()) return false;
   Known& known = block->second.tiles[key];
   if (version > known.version) known = {version, now};
+  return now - block->second.used_at < kBelieved;
 }
 
 std::uint64_t TileDirectory::version(TileKey key) const {

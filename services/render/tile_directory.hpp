@@ -44,8 +44,9 @@ class TileDirectory {
   /// Takes the listing of a range made of whole blocks, asked for at `asked`. Higher versions that
   /// updates told of are kept, unless that was kBelieved before: then they were not true.
   void take(const TileRange& range, const std::vector<ListedTile>& tiles, std::int64_t asked);
-  /// A tile's new version, if its block was listed; nothing otherwise.
-  void update(TileKey key, std::uint64_t version, std::int64_t now);
+  /// A tile's new version, if its block was listed; nothing otherwise. Returns whether somebody has
+  /// looked at that block less than kBelieved ago.
+  bool update(TileKey key, std::uint64_t version, std::int64_t now);
 
   std::uint64_t version(TileKey key) const;  ///< 0 where it is not known to exist.
   std::size_t blocks() const { return blocks_.size(); }

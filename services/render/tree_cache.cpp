@@ -55,9 +55,14 @@ void TreeCache::take(ArrivedTile arrived, std::int64_t now) {
   count(tile);
 }
 
-void TreeCache::update(Update update, std::int64_t now) {
-  const auto found = tiles_.find(update.key);
-  if (found == tiles_.end()) return;  // Nobody has looked at it.
+void TreeCache::update(Update update, bool watched, std::int64_t now) {
+  auto found = tiles_.find(update.key);
+  if (found == tiles_.end()) {
+    if (!watched || update.version != 1) return;  // It is asked for when somebody looks.
+    found = tiles_.try_emplace(update.key).first;
+    found->second.live.emplace();
+    found->second.used_at = now;
+  }
   Tile& tile = found->second;
   if (update.version <= tile.reach || update.version <= tile.shown()) return;
   tile.lives = true;
@@ -222,7 +227,6 @@ void TreeCache::take(BuiltTile built, std::int64_t now) {
   if (tile.fine) {
     tile.stale_since = tile.stale_next;
     tile.stale_next = 0;
-    if (tile.changes.empty() && tile.shown() >= tile.reach) tile.bytes.reset();
     tile.rough = true;
     roughen_around(built.key);
   }
@@ -249,11 +253,23 @@ void TreeCache::count(Tile& tile) {
   for (const Bytes& change : tile.changes) bytes += change.capacity();
   bytes_ += bytes - tile.counted;
   tile.counted = bytes;
+  const std::size_t spare = tile.bytes && tile.rests() ? tile.bytes->capacity() : 0;
+  spare_bytes_ += spare - tile.spare;
+  tile.spare = spare;
+}
+
+void TreeCache::drop_spare() {
+  for (auto& [key, tile] : tiles_) {
+    if (tile.spare == 0) continue;
+    tile.bytes.reset();
+    count(tile);
+  }
 }
 
 void TreeCache::trim(std::int64_t now) {
   if (bytes_ <= budget_ || now - trimmed_at_ < kTrimEvery) return;
   trimmed_at_ = now;
+  drop_spare();
   std::vector<std::pair<std::int64_t, TileKey>> oldest_first;
   for (auto& [key, tile] : tiles_) {
     settle(tile, now);
@@ -264,6 +280,7 @@ void TreeCache::trim(std::int64_t now) {
     if (bytes_ <= budget_) return;
     const auto found = tiles_.find(key);
     bytes_ -= found->second.counted;
+    spare_bytes_ -= found->second.spare;
     tiles_.erase(found);
   }
 }

@@ -15,9 +15,10 @@ namespace voxatlas {
 /// Tiles as they are drawn, and what newer versions of them are made from.
 ///
 /// Life:    of a tile that is not here the coarse cells are asked for first, and a coarse tree is
-///          built of them; then all of it, a fine tree, and the bytes are forgotten. A tile that
-///          changes while it is here is asked for once more and kept, so that further changes only
-///          have to be applied; for kKeepLive after the last of them.
+///          built of them; then all of it, and a fine tree. The bytes are kept while there is
+///          room. A tile that changes is made of them, or asked for once more, and kept, so that
+///          further changes only have to be applied; for kKeepLive after the last of them. One that
+///          comes into being where somebody looks is known from its first change on.
 /// Memory:  at most the budget, but for what has been used less than kInUse ago; those used longest
 ///          ago go first.
 /// Time:    is told. Threads: one at a time; trees are shared with whoever draws them.
@@ -41,7 +42,8 @@ class TreeCache {
     Bytes payload;
     std::int64_t utime = 0;
   };
-  void update(Update update, std::int64_t now);
+  /// `watched`: somebody looks there, so that a tile that is new is wanted.
+  void update(Update update, bool watched, std::int64_t now);
 
   void take(BuiltTile built, std::int64_t now);
 
@@ -66,7 +68,7 @@ class TreeCache {
 
   /// Drops tiles until the budget holds or only those in use are left.
   void trim(std::int64_t now);
-  bool full() const { return bytes_ >= budget_; }
+  bool full() const { return bytes_ - spare_bytes_ >= budget_; }
 
   std::size_t bytes() const { return bytes_; }
   std::size_t tiles() const { return tiles_.size(); }
@@ -75,7 +77,7 @@ class TreeCache {
  private:
   struct Tile {
     std::uint64_t reach = 0;  // The version that the changes lead to; without, the source's.
-    std::shared_ptr<const Bytes> bytes;  // The source: bytes, until a fine tree is built of them,
+    std::shared_ptr<const Bytes> bytes;  // The source: bytes, spare once a tree shows them,
     std::optional<TileTree> live;        // or the tile, which a job may have borrowed.
     bool lent = false;
     std::shared_ptr<const Bytes> coarse;  // For the first tree; of a version of its own.
@@ -93,8 +95,9 @@ class TreeCache {
     std::uint64_t broken = 0;  // This version is no tile: not asked for again.
     std::int64_t stale_since = 0, stale_next = 0;  // The latter: since the job was made.
     std::int64_t used_at = 0, changed_at = 0, ask_again_at = 0;
-    std::size_t counted = 0;  // Its share of bytes_.
+    std::size_t counted = 0, spare = 0;  // Its share of bytes_ and of spare_bytes_.
 
+    bool rests() const { return fine && !building && changes.empty() && shown() >= reach; }
     bool has_source() const { return lent || live.has_value() || bytes != nullptr; }
     std::uint64_t shown() const { return tree ? tree->version() : 0; }
     void drop_source();
@@ -105,9 +108,11 @@ class TreeCache {
   BuildJob coarse_job(TileKey key, Tile& tile);
   BuildJob border_job(TileKey key, Tile& tile);
   void roughen_around(TileKey key);
+  void drop_spare();
 
   std::size_t budget_;
   std::size_t bytes_ = 0, broken_ = 0;
+  std::size_t spare_bytes_ = 0;  ///< Of bytes_, what goes before any tile does.
   std::uint64_t serials_ = 0;
   std::int64_t trimmed_at_ = 0;
   std::unordered_map<TileKey, Tile> tiles_;

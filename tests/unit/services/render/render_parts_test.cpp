@@ -109,18 +109,20 @@ TEST_CASE("a directory keeps the highest version it heard of, of blocks it lists
   const test::Scene scene = test::street_scene();
   const TileKey key = scene.keys().front();
   TileDirectory directory(scene.grid());
-  directory.update(key, 9, 1);
+  REQUIRE_FALSE(directory.update(key, 9, 1));
   REQUIRE(directory.version(key) == 0);
   const Camera camera = scene.camera({-20, 0, 2}, {30, 0, 2}, Lens::of_view(60, 320, 200)).value();
   const auto range = directory.look(camera, 1)->to_list.value();
   directory.take(range, {{key, 3}}, 1);
-  directory.update(key, 5, 1);
-  directory.update(key, 4, 1);
+  REQUIRE(directory.update(key, 5, 1));
+  REQUIRE(directory.update(key, 4, 1));
   REQUIRE(directory.version(key) == 5);
   directory.take(range, {{key, 4}}, 2);  // Listed before the update.
   REQUIRE(directory.version(key) == 5);
   directory.take(range, {{key, 4}}, 2 + TileDirectory::kBelieved);  // Nobody has a 5.
   REQUIRE(directory.version(key) == 4);
+  REQUIRE_FALSE(
+      directory.update(key, 6, 3 + 2 * TileDirectory::kBelieved));  // Nobody looks any more.
 }
 
 TEST_CASE("a view of too much of the world is refused", "[render]") {

@@ -34,7 +34,20 @@ int build_all(TreeCache& cache, TileKey key, std::int64_t now) {
   return jobs;
 }
 
-TEST_CASE("a tile is first coarse, then fine, then rests without its bytes", "[render]") {
+TileDelta hits_of(int cells) {
+  TileDelta delta;
+  for (int i = 0; i < cells; ++i) delta.hits.insert({kDepth, static_cast<std::uint32_t>(i)});
+  return delta;
+}
+
+TreeCache::Update change(TileKey key, std::uint64_t version, const TileDelta& delta,
+                         std::int64_t utime) {
+  TreeCache::Update update{key, version, 1, {}, utime};
+  encode_delta(delta, update.payload);
+  return update;
+}
+
+TEST_CASE("a tile is first coarse, then fine", "[render]") {
   TreeCache cache(1'000'000);
   const TileKey key = key_at(1);
   REQUIRE(cache.look(key, 3, 0).must_ask);
@@ -51,16 +64,59 @@ TEST_CASE("a tile is first coarse, then fine, then rests without its bytes", "[r
   standing = cache.look(key, 3, 0);
   REQUIRE(standing.tree);
   REQUIRE_FALSE(standing.complete);
-  const std::size_t with_bytes = cache.bytes();
+  const std::size_t coarse = cache.bytes();
   REQUIRE(build_all(cache, key, 0) == 2);  // The tree, and its normals near the tile's faces.
   standing = cache.look(key, 3, 0);
   REQUIRE(standing.complete);
   REQUIRE(standing.smooth);
   REQUIRE(standing.tree->cell_count(kDepth) == RenderTree(tile_of(1000)).cell_count(kDepth));
   REQUIRE(standing.tree->version() == 3);
-  REQUIRE(cache.bytes() > with_bytes);
+  REQUIRE(cache.bytes() > coarse);
   REQUIRE_FALSE(cache.look(key, 3, 0).must_build);
   REQUIRE(cache.look(key, 4, 1'000'000).must_ask);
+}
+
+TEST_CASE("a tile that changes is made of its bytes, while there is room for them", "[render]") {
+  const std::size_t budget = GENERATE(1'000'000u, 20'000u);
+  const bool room = budget == 1'000'000;
+  TreeCache cache(budget);
+  const TileKey key = key_at(1);
+  const TileTree tile = tile_of(1000);
+  cache.take(arrived(key, 3, tile), 0);
+  build_all(cache, key, 0);
+  const std::size_t with_bytes = cache.bytes();
+  REQUIRE(with_bytes > 20'000);
+  REQUIRE(cache.full() == (with_bytes - encode_tile(tile, {}).size() >= budget));
+  cache.trim(200'000);
+  REQUIRE((cache.bytes() == with_bytes) == room);
+  REQUIRE(cache.look(key, 3, 200'000).complete);
+  cache.update(change(key, 4, hits_of(5), 7'000), true, 200'000);
+  const auto standing = cache.look(key, 4, 200'000);
+  REQUIRE(standing.stale_since == 7'000);
+  REQUIRE(standing.must_build == room);
+  REQUIRE(standing.must_ask != room);
+  if (!room) return;
+  build_all(cache, key, 200'000);
+  REQUIRE(cache.look(key, 4, 200'000).complete);
+}
+
+TEST_CASE("a tile that comes into being is drawn without asking, where somebody looks",
+          "[render]") {
+  TreeCache cache(1'000'000);
+  const TileKey seen = key_at(1), unseen = key_at(2), older = key_at(3);
+  cache.update(change(seen, 1, hits_of(5), 7'000), true, 10);
+  cache.update(change(unseen, 1, hits_of(5), 7'000), false, 10);
+  cache.update(change(older, 2, hits_of(5), 7'000), true, 10);
+  REQUIRE(cache.look(seen, 1, 10).stale_since == 7'000);
+  REQUIRE_FALSE(cache.look(seen, 1, 10).must_ask);
+  REQUIRE(cache.look(unseen, 1, 10).must_ask);
+  REQUIRE(cache.look(older, 2, 10).must_ask);
+  build_all(cache, seen, 10);
+  const auto standing = cache.look(seen, 1, 10);
+  REQUIRE(standing.complete);
+  TileTree truth;
+  truth.apply(hits_of(5), kSensor);
+  REQUIRE(standing.tree->cell_count(kDepth) == RenderTree(truth).cell_count(kDepth));
 }
 
 TEST_CASE("of a tile that is not here the coarse cells are asked for first", "[render]") {
@@ -155,8 +211,9 @@ TEST_CASE("whatever is lost on the way, a tile ends as the store has it", "[rend
   for (int round = 0; round < 60; ++round) {
     TreeCache cache(10'000'000);
     const TileKey key = key_at(1);
-    TileTree truth = tile_of(100);
-    std::uint64_t version = 1;
+    const bool is_new = chance(50);
+    TileTree truth = is_new ? TileTree() : tile_of(100);
+    std::uint64_t version = is_new ? 0 : 1;
     std::int64_t now = 1;
     std::vector<ArrivedTile> answers;
     std::vector<TreeCache::Update> updates;
@@ -164,7 +221,8 @@ TEST_CASE("whatever is lost on the way, a tile ends as the store has it", "[rend
     for (int step = 0; step < 300; ++step) {
       now += chance(2) ? 3'000'000 : 1'000;
       const auto standing = cache.look(key, version, now);
-      if (standing.must_ask && chance(30)) answers.push_back(arrived(key, version, truth));
+      if (standing.must_ask && version > 0 && chance(30))
+        answers.push_back(arrived(key, version, truth));
       if (!answers.empty() && chance(50)) {
         cache.take(answers.front(), now);
         if (!chance(10)) answers.erase(answers.begin());
@@ -184,11 +242,11 @@ TEST_CASE("whatever is lost on the way, a tile ends as the store has it", "[rend
         if (!chance(10)) updates.push_back(update);
       }
       while (!updates.empty() && chance(70)) {
-        cache.update(updates.front(), now);
+        cache.update(updates.front(), true, now);
         if (!chance(5)) updates.erase(updates.begin());
       }
     }
-    for (const auto& update : updates) cache.update(update, now);
+    for (const auto& update : updates) cache.update(update, true, now);
     for (int i = 0; i < 20 && !cache.look(key, version, now).complete; ++i) {
       now += 100'000;
       if (building) cache.take(std::move(*std::exchange(building, {})), now);
