@@ -4,7 +4,8 @@
 First bench_render (its options are passed on: --help shows them), on the simulated city or --data.
 Then, with the real services: from a request to its frame at a subscriber, all tiles cached, less what
 the frame itself took, alone and beside a client who asks a thousand times a second; and, while scans
-are imported, from a change that is durable to the frame that shows it.
+are imported, from a change that is durable to the frame that shows it: at a sensor's rate, and as fast
+as they can be.
 """
 
 import json
@@ -16,10 +17,13 @@ import tempfile
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 sys.path.insert(0, str(ROOT / "scripts" / "lib"))
 
+import drives  # noqa: E402
 from service_set import ServiceSet, default_bin_dir  # noqa: E402
 
 SCANS = 40  # Of the simulated drive, in the model before anything is measured,
-MORE_SCANS = 160  # and imported while it is watched.
+MORE_SCANS = 160  # and imported while it is watched,
+SENSOR_HZ = 20  # at most so many a second,
+PASSES = 10  # or so many times over, as fast as they can be.
 
 
 def run(services, program, *arguments, **options):
@@ -30,14 +34,21 @@ def run(services, program, *arguments, **options):
 
 def service_lines():
     with tempfile.TemporaryDirectory(prefix="voxatlas-bench-") as place:
+        drive = pathlib.Path(place) / "drive"
+        subprocess.run([default_bin_dir() / "voxatlas", "simulate", str(MORE_SCANS), "--out", drive],
+                       check=True, stdin=subprocess.DEVNULL, capture_output=True)
         with ServiceSet(pathlib.Path(place)) as services:
             services.run("publish", "--simulate", SCANS, quiet=True)
             yield from run(services, "render_probe", "--view", "street", "latency").splitlines()
-            importing = services.begin("publish", "--simulate", MORE_SCANS,
-                                       stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-            yield from run(services, "render_probe", "--view", "street", "--budget", 40,
-                           "live").splitlines()
-            services.wait_for(importing)
+            again = pathlib.Path(place) / "again"
+            drives.repeat(drive, "poses.txt", again, PASSES)
+            for name, folder, pace in ((f"live_{SENSOR_HZ}hz_", drive, ["--hz", SENSOR_HZ]),
+                                       ("live_", again, [])):
+                importing = services.begin("publish", folder, "--poses", "poses.txt", "--source", name, *pace,
+                                           stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+                shown = run(services, "render_probe", "--view", "street", "--budget", 40, "live")
+                services.wait_for(importing)
+                yield from (name + line.removeprefix("live_") for line in shown.splitlines())
 
 
 def main(arguments):

@@ -27,6 +27,8 @@ class SplatBench {
   void print_gains(const View& street);
   /// Depth by depth, the paper's table 1 beside.
   void print_depths(const View& view);
+  /// On two threads each, `_vs_gl`; by the processor time of both, `_vs_gl_processor`; and one
+  /// thread of the splatter beside two of GL, `_1t_vs_gl`.
   void print_against_gl(const std::vector<View>& views);
 
   const std::vector<PlacedTree>& placed() const { return placed_; }
