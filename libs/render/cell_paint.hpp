@@ -21,6 +21,9 @@ class CellPaint {
 
   /// Of length 1, or zero for none.
   void set_normal(const Eigen::Vector3f& normal);
+  void set_normal_of(const CellPaint& other) {
+    bits_ = static_cast<std::uint16_t>((bits_ & kColoured) | (other.bits_ & ~kColoured));
+  }
 
   LogOdds log_odds() const { return static_cast<LogOdds>(log_odds_ << kLogOddsShift); }
   bool coloured() const { return (bits_ & kColoured) != 0; }

@@ -31,6 +31,11 @@ class OccupiedCells {
   void insert(const Eigen::Vector3i& min, int size);
   void insert(CellKey cell) { insert(place(cell).min, place(cell).size); }
 
+  bool holds(const Eigen::Vector3i& at) const {
+    const auto bit = static_cast<std::size_t>(at.x() + kMargin);
+    return (bits_[row(at.y(), at.z()) + bit / 64] >> bit % 64 & 1u) != 0;
+  }
+
   /// True where every cell that touches a face of `cell` is occupied.
   bool surround(CellKey cell) const;
 
@@ -54,10 +59,6 @@ class OccupiedCells {
     return (static_cast<std::size_t>(z + kMargin) * static_cast<std::size_t>(edge_ + 2 * kMargin) +
             static_cast<std::size_t>(y + kMargin)) *
            words_;
-  }
-  bool holds(const Eigen::Vector3i& at) const {
-    const auto bit = static_cast<std::size_t>(at.x() + kMargin);
-    return (bits_[row(at.y(), at.z()) + bit / 64] >> bit % 64 & 1u) != 0;
   }
   /// The square of cells beside a face: `layer` on `axis`, the cell's own extent on the others.
   bool layer_full(const Place& cell, int axis, int layer) const;

@@ -7,7 +7,8 @@
 #include "render/tree_normals.hpp"
 
 namespace voxatlas {
-RenderTree::RenderTree(const TileTree& tree, std::uint64_t version, int max_depth)
+RenderTree::RenderTree(const TileTree& tree, std::uint64_t version, int max_depth,
+                       const RenderTree* before)
     : version_(version), max_depth_(max_depth) {
   VOX_CHECK(max_depth >= 0 && max_depth <= kDepth);
   const auto nodes = occupied_nodes(tree, max_depth);
@@ -26,18 +27,23 @@ RenderTree::RenderTree(const TileTree& tree, std::uint64_t version, int max_dept
   begin_[kDepth + 1] = node_count();
   links_.shrink_to_fit();
   count_cells();
-  set_normals(TreesAround(*this), Normals::kAll);
+  const auto keep = [&](std::uint32_t old, std::uint32_t node) {
+    paints_[node].set_normal_of(before->paints_[old]);
+  };
+  const bool alike = before != nullptr && before->max_depth() == max_depth;
+  set_normals(TreesAround(*this),
+              alike ? CellsWanted::changed(*before, *this, keep) : CellsWanted::all());
 }
 
 RenderTree RenderTree::with_borders(const TreesAround& around) const {
   VOX_CHECK(&around.middle() == this);
   RenderTree tree = *this;
-  tree.set_normals(around, Normals::kAtFaces);
+  tree.set_normals(around, CellsWanted::at_faces());
   return tree;
 }
 
-void RenderTree::set_normals(const TreesAround& around, Normals which) {
-  find_normals(around, which, [this](std::uint32_t node, const Eigen::Vector3f& normal) {
+void RenderTree::set_normals(const TreesAround& around, const CellsWanted& wanted) {
+  find_normals(around, wanted, [this](std::uint32_t node, const Eigen::Vector3f& normal) {
     paints_[node].set_normal(normal);
   });
 }

@@ -37,7 +37,7 @@ inline TreeChildren children_of(const TreeLinks* links, std::uint32_t node) {
 }
 
 class RenderTree;
-enum class Normals;
+class CellsWanted;
 
 /// A tree and its 26 neighbours.
 ///
@@ -73,7 +73,11 @@ class RenderTree {
  public:
   RenderTree() = default;
   /// A coarse tree ends at `max_depth`, 0..7: there, inner nodes are drawn as leaves are.
-  explicit RenderTree(const TileTree& tree, std::uint64_t version = 0, int max_depth = kDepth);
+  /// `before`: an older tree of the same tile; not null: normals of which nothing near has changed
+  /// are taken from it. So those near the faces may be what its with_borders() gave them; all
+  /// others are the same as without it. Ignored where it ends at another depth.
+  explicit RenderTree(const TileTree& tree, std::uint64_t version = 0, int max_depth = kDepth,
+                      const RenderTree* before = nullptr);
 
   /// The same tree, its normals near the faces found anew with what is known of the tiles around
   /// it. `around` has this tree in its middle. The result depends on the trees around alone, not on
@@ -113,7 +117,7 @@ class RenderTree {
   /// Links the nodes of a depth, `above`, to those of the next, which were added last.
   void add_links(std::span<const OccupiedNode> above, std::span<const OccupiedNode> nodes);
   void count_cells();
-  void set_normals(const TreesAround& around, Normals which);
+  void set_normals(const TreesAround& around, const CellsWanted& wanted);
 
   std::uint64_t version_ = 0;
   int max_depth_ = kDepth;

@@ -16,6 +16,11 @@ struct WalkedNode {
   TreeChildren children;  ///< octants is 0 where it has none.
 };
 
+/// Where a cell's child lies, in cells of its own depth.
+inline Eigen::Vector3i child_at(const Eigen::Vector3i& at, int octant) {
+  return 2 * at + Eigen::Vector3i(octant & 1, octant >> 1 & 1, octant >> 2);
+}
+
 /// Goes through a tree from its root, depth first, as far down as it is told: visit(WalkedNode)
 /// returns whether to go on to the node's children. `root_at`: tiles from where places are counted.
 template <class Visit>
@@ -28,8 +33,7 @@ void walk_tree(const RenderTree& tree, const Eigen::Vector3i& root_at, const Vis
     std::uint32_t child = children.first;
     for (std::uint32_t left = children.octants; left != 0; left &= left - 1, ++child) {
       const int octant = std::countr_zero(left);
-      self(self, child, depth + 1,
-           2 * at + Eigen::Vector3i(octant & 1, octant >> 1 & 1, octant >> 2));
+      self(self, child, depth + 1, child_at(at, octant));
     }
   };
   if (!tree.empty()) go(go, 0, 0, root_at);

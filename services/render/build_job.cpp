@@ -43,7 +43,7 @@ BuiltTile build(BuildJob job, const SensorModel& sensor) {
   built.no_tile = !tile;
   if (!tile) return refuse(tile);
   if (auto applied = apply(job.changes, *tile, sensor); !applied) return refuse(applied);
-  built.tree = std::make_shared<const RenderTree>(*tile, job.version, job.depth);
+  built.tree = std::make_shared<const RenderTree>(*tile, job.version, job.depth, job.before.get());
   if (job.free_depth > 0) built.free = std::make_shared<const FreeCells>(*tile, job.free_depth);
   if (job.keep) built.tile = std::move(*tile);
   return built;

@@ -29,6 +29,7 @@ struct BuildJob {
   int free_depth = 0;                  ///< Its free cells of this depth too; 0: none.
 
   using Tree = std::shared_ptr<const RenderTree>;
+  Tree before;  ///< An older one of the same depth, or null: what has not changed is as in it.
   Tree middle;  ///< Not null: all above but key and version say nothing.
   std::vector<std::pair<Eigen::Vector3i, Tree>> around;  ///< By offset, -1..1 on each axis.
 };

@@ -5,6 +5,7 @@
 #include <array>
 #include <catch2/catch.hpp>
 #include <map>
+#include <memory>
 #include <random>
 
 #include "grid/grid.hpp"
@@ -188,6 +189,66 @@ TEST_CASE("across a tile's faces normals are those of one larger tile", "[render
   REQUIRE(compared == expected.size());
   REQUIRE(compared > 10'000);
   REQUIRE(changed > 200);
+}
+
+/// Cells that change anyhow, some of them whole branches.
+void change_some(TileTree& tile, std::mt19937_64& rng) {
+  std::uniform_int_distribution<std::uint32_t> place(0, 127);
+  std::uniform_int_distribution<int> count(0, 6), log_odds(-3000, 3000), what(0, 3);
+  for (int i = count(rng); i > 0; --i) {
+    const auto cell = CellKey::of_voxel({place(rng), place(rng), place(rng)},
+                                        what(rng) == 0 ? 4 + i % 3 : kDepth);
+    if (what(rng) == 0) {
+      tile.erase(cell);
+    } else {
+      tile.set(cell, {static_cast<LogOdds>(log_odds(rng)), {}});
+    }
+  }
+}
+
+TEST_CASE("of a tile that has changed a tree is the same, whatever it was made of before",
+          "[render_tree][oracle]") {
+  auto rng = test::engine();
+  INFO("VOX_SEED=" << test::seed());
+  const RenderTree neighbour(Terrain(rng).tile({0, 0, 0}));
+  for (int round = 0; round < 12; ++round) {
+    TileTree tile = round == 0   ? almost_full_tile(rng)
+                    : round == 1 ? TileTree()
+                    : round < 6  ? random_tile(rng)
+                                 : Terrain(rng).tile({128, 0, 128});
+    auto before = std::make_unique<RenderTree>(tile, 1);
+    for (std::uint64_t version = 2; version < 6; ++version) {
+      TreesAround around(*before);
+      around.set({1, 0, 0}, &neighbour);
+      const RenderTree bordered = before->with_borders(around);
+      change_some(tile, rng);
+      if (version == 5) tile = round % 2 == 0 ? TileTree() : random_tile(rng);
+      auto after = std::make_unique<RenderTree>(tile, version, kDepth, &bordered);
+      const RenderTree oracle(tile, version);
+      REQUIRE(after->version() == version);
+      REQUIRE(after->node_count() == oracle.node_count());
+      const auto same = [&](const RenderTree& one, const RenderTree& other, int margin) {
+        for (std::uint32_t node = 0; node < one.node_count(); ++node) {
+          const CellKey key = one.key_of(node);
+          REQUIRE(key == other.key_of(node));
+          REQUIRE(one.paint(node).log_odds() == other.paint(node).log_odds());
+          const Index3 at = key.min_voxel();
+          const auto inside = [&](std::uint32_t voxel) {
+            const int cell = static_cast<int>(voxel >> (kDepth - key.depth));
+            return cell >= margin && cell < (1 << key.depth) - margin;
+          };
+          if (!inside(at[0]) || !inside(at[1]) || !inside(at[2])) continue;
+          REQUIRE(one.paint(node).normal() == other.paint(node).normal());
+        }
+      };
+      same(*after, oracle, 2);
+      if (!after->empty()) {
+        const TreesAround after_alone(*after), oracle_alone(oracle);
+        same(after->with_borders(after_alone), oracle.with_borders(oracle_alone), 0);
+      }
+      before = std::move(after);
+    }
+  }
 }
 
 TEST_CASE("borders of nothing change nothing, and coarse neighbours fill nothing",
