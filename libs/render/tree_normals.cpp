@@ -19,12 +19,14 @@ bool near_the_tile(const WalkedNode& node) {
 
 /// The occupied cells of each depth down to that of the tree in the middle. What lies below the
 /// nodes at which a coarse tree is cut is not known: they are no leaves.
-std::vector<OccupiedCells> occupied_around(const TreesAround& around) {
+std::vector<OccupiedCells> occupied_around(const TreesAround& around, const CellsWanted& wanted) {
   const int deepest = around.middle().depth();
   std::vector<OccupiedCells> cells;
   for (int depth = 0; depth <= deepest; ++depth) cells.emplace_back(depth);
   const auto insert = [&](const RenderTree& tree, const WalkedNode& node) {
-    cells[static_cast<std::size_t>(node.depth)].insert(node.at, 1);
+    if (wanted.need(node.at, node.depth)) {
+      cells[static_cast<std::size_t>(node.depth)].insert(node.at, 1);
+    }
     if (node.children.octants != 0 || node.depth == tree.max_depth()) return;
     for (int below = node.depth + 1; below <= deepest; ++below) {
       const int size = 1 << (below - node.depth);
@@ -38,7 +40,7 @@ std::vector<OccupiedCells> occupied_around(const TreesAround& around) {
     walk_tree(*tree, offset, [&](const WalkedNode& node) {
       if (node.depth > deepest || !near_the_tile(node)) return false;
       insert(*tree, node);
-      return true;
+      return wanted.need_below(node.at, node.depth);
     });
   }
   return cells;
@@ -47,66 +49,6 @@ std::vector<OccupiedCells> occupied_around(const TreesAround& around) {
 bool near_a_face(const Eigen::Vector3i& at, int depth) {
   return (at.array() < kMargin).any() || (at.array() >= (1 << depth) - kMargin).any();
 }
-
-/// What differs between two trees of a tile, as cells of each depth and those near enough for their
-/// normals to depend on them.
-class Changes {
- public:
-  Changes(const RenderTree& before, const RenderTree& after,
-          const std::function<void(std::uint32_t, std::uint32_t)>& same)
-      : before_(before), after_(after), same_(same) {
-    for (int depth = 0; depth <= after.depth(); ++depth) near_.emplace_back(depth);
-    if (after.empty()) return;
-    if (before.empty()) {
-      mark(Eigen::Vector3i::Zero(), 0);
-    } else {
-      compare(0, 0, 0, Eigen::Vector3i::Zero());
-    }
-  }
-  bool any() const { return any_; }
-  std::vector<OccupiedCells> take() { return std::move(near_); }
-
- private:
-  static TreeChildren children(const RenderTree& tree, std::uint32_t node, int depth) {
-    return depth < tree.depth() ? tree.children(node) : TreeChildren{0, 0};
-  }
-
-  void compare(std::uint32_t old_node, std::uint32_t new_node, int depth,
-               const Eigen::Vector3i& at) {
-    same_(old_node, new_node);
-    TreeChildren was = children(before_, old_node, depth);
-    TreeChildren is = children(after_, new_node, depth);
-    if ((was.octants == 0) != (is.octants == 0)) {  // A leaf fills what lies below it.
-      for (int octant = 0; octant < 8; ++octant) mark(child_at(at, octant), depth + 1);
-      return;
-    }
-    for (std::uint32_t left = was.octants | is.octants; left != 0; left &= left - 1) {
-      const int octant = std::countr_zero(left);
-      const std::uint32_t bit = left & -left;
-      if ((was.octants & is.octants & bit) != 0) {
-        compare(was.first++, is.first++, depth + 1, child_at(at, octant));
-        continue;
-      }
-      mark(child_at(at, octant), depth + 1);
-      ++((was.octants & bit) != 0 ? was : is).first;
-    }
-  }
-
-  /// A cell and all below it.
-  void mark(const Eigen::Vector3i& at, int depth) {
-    any_ = true;
-    for (int below = depth; below < static_cast<int>(near_.size()); ++below) {
-      const int size = 1 << (below - depth);
-      near_[static_cast<std::size_t>(below)].insert(at * size - Eigen::Vector3i::Constant(kMargin),
-                                                    size + 2 * kMargin);
-    }
-  }
-
-  const RenderTree &before_, &after_;
-  const std::function<void(std::uint32_t, std::uint32_t)>& same_;
-  std::vector<OccupiedCells> near_;  // By depth.
-  bool any_ = false;
-};
 
 /// Nodes of a depth, until there are enough to find their normals at once.
 class Waiting {
@@ -134,24 +76,114 @@ class Waiting {
 
 }  // namespace
 
+std::size_t CellsWanted::block_of(const Eigen::Vector3i& at, int depth) {
+  const Eigen::Vector3i block = at.unaryExpr([&](int i) { return i >> (depth - kBlockDepth); });
+  return static_cast<std::size_t>(block.x() | block.y() << kBlockDepth |
+                                  block.z() << 2 * kBlockDepth);
+}
+
+/// Goes through two trees of a tile side by side, for what only one of them has.
+class CellsWanted::Comparison {
+ public:
+  Comparison(const RenderTree& before, const RenderTree& after,
+             const std::function<void(std::uint32_t, std::uint32_t)>& same)
+      : before_(before), after_(after), same_(same) {
+    for (int depth = 0; depth <= after.depth(); ++depth) changes_.cells.emplace_back(depth);
+    if (after.empty()) return;
+    if (before.empty()) {
+      mark(Eigen::Vector3i::Zero(), 0);
+    } else {
+      compare(0, 0, 0, Eigen::Vector3i::Zero());
+    }
+    for (std::size_t depth = kDepth; depth > 0; --depth) {
+      changes_.needed_below[depth - 1] = changes_.needed[depth] | changes_.needed_below[depth];
+    }
+  }
+  Changes take() { return std::move(changes_); }
+
+ private:
+  static TreeChildren children(const RenderTree& tree, std::uint32_t node, int depth) {
+    return depth < tree.depth() ? tree.children(node) : TreeChildren{0, 0};
+  }
+
+  void compare(std::uint32_t old_node, std::uint32_t new_node, int depth,
+               const Eigen::Vector3i& at) {
+    same_(old_node, new_node);
+    TreeChildren was = children(before_, old_node, depth);
+    TreeChildren is = children(after_, new_node, depth);
+    if ((was.octants == 0) != (is.octants == 0)) {  // A leaf fills what lies below it.
+      for (int octant = 0; octant < 8; ++octant) mark(child_at(at, octant), depth + 1);
+      return;
+    }
+    for (std::uint32_t left = was.octants | is.octants; left != 0; left &= left - 1) {
+      const int octant = std::countr_zero(left);
+      const std::uint32_t bit = left & -left;
+      if ((was.octants & is.octants & bit) != 0) {
+        compare(was.first++, is.first++, depth + 1, child_at(at, octant));
+        continue;
+      }
+      mark(child_at(at, octant), depth + 1);
+      ++((was.octants & bit) != 0 ? was : is).first;
+    }
+  }
+
+  /// A cell and all below it: normals within kMargin of them change, and need what lies within
+  /// kMargin of these.
+  void mark(const Eigen::Vector3i& at, int depth) {
+    changes_.none = false;
+    for (int below = depth; below < static_cast<int>(changes_.cells.size()); ++below) {
+      const int size = 1 << (below - depth);
+      const auto d = static_cast<std::size_t>(below);
+      const Eigen::Array3i from = at.array() * size - kMargin, to = from + size + 2 * kMargin;
+      changes_.cells[d].insert(from.matrix(), size + 2 * kMargin);
+      if (below <= kBlockDepth) continue;
+      const auto block = [&](const Eigen::Array3i& cell) -> Eigen::Array3i {
+        return cell.max(0).min((1 << below) - 1).unaryExpr([&](int i) {
+          return i >> (below - kBlockDepth);
+        });
+      };
+      const Eigen::Array3i first = block(from - kMargin), last = block(to - 1 + kMargin);
+      for (int z = first.z(); z <= last.z(); ++z) {
+        for (int y = first.y(); y <= last.y(); ++y) {
+          for (int x = first.x(); x <= last.x(); ++x) {
+            changes_.needed[d].set(block_of({x, y, z}, kBlockDepth));
+          }
+        }
+      }
+    }
+  }
+
+  const RenderTree &before_, &after_;
+  const std::function<void(std::uint32_t, std::uint32_t)>& same_;
+  Changes changes_;
+};
+
 CellsWanted CellsWanted::changed(const RenderTree& before, const RenderTree& after,
                                  const std::function<void(std::uint32_t, std::uint32_t)>& same) {
-  Changes changes(before, after, same);
   CellsWanted wanted = all();
-  wanted.any_changed_ = changes.any();
-  wanted.changed_ = changes.take();
+  wanted.changes_ = std::make_shared<const Changes>(Comparison(before, after, same).take());
   return wanted;
 }
 
 bool CellsWanted::holds(const Eigen::Vector3i& at, int depth) const {
   if (at_faces_) return near_a_face(at, depth);
-  return changed_.empty() || changed_[static_cast<std::size_t>(depth)].holds(at);
+  return changes_ == nullptr || changes_->cells[static_cast<std::size_t>(depth)].holds(at);
+}
+
+bool CellsWanted::need(const Eigen::Vector3i& at, int depth) const {
+  if (changes_ == nullptr || depth <= kBlockDepth) return true;
+  return changes_->needed[static_cast<std::size_t>(depth)][block_of(at, depth)];
+}
+
+bool CellsWanted::need_below(const Eigen::Vector3i& at, int depth) const {
+  if (changes_ == nullptr || depth < kBlockDepth) return true;
+  return changes_->needed_below[static_cast<std::size_t>(depth)][block_of(at, depth)];
 }
 
 void find_normals(const TreesAround& around, const CellsWanted& wanted,
                   const std::function<void(std::uint32_t, const Eigen::Vector3f&)>& set) {
   if (wanted.none()) return;
-  const auto cells = occupied_around(around);
+  const auto cells = occupied_around(around, wanted);
   std::array<Waiting, kDepth + 1> waiting;
   walk_tree(around.middle(), Eigen::Vector3i::Zero(), [&](const WalkedNode& node) {
     if (wanted.holds(node.at, node.depth)) {
@@ -159,7 +191,7 @@ void find_normals(const TreesAround& around, const CellsWanted& wanted,
       waiting[depth].add(node);
       if (waiting[depth].full()) waiting[depth].find(cells[depth], set);
     }
-    return true;
+    return wanted.need_below(node.at, node.depth);
   });
   for (std::size_t depth = 0; depth < cells.size(); ++depth) waiting[depth].find(cells[depth], set);
 }

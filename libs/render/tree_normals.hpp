@@ -1,8 +1,11 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
+#include <bitset>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <vector>
 
 #include "render/occupied_cells.hpp"
@@ -21,14 +24,27 @@ class CellsWanted {
   static CellsWanted changed(const RenderTree& before, const RenderTree& after,
                              const std::function<void(std::uint32_t, std::uint32_t)>& same);
 
-  bool none() const { return !changed_.empty() && !any_changed_; }
+  bool none() const { return changes_ != nullptr && changes_->none; }
   bool holds(const Eigen::Vector3i& at, int depth) const;
+  /// Whether a cell may be one on which a wanted normal depends; and whether one below it may.
+  bool need(const Eigen::Vector3i& at, int depth) const;
+  bool need_below(const Eigen::Vector3i& at, int depth) const;
 
  private:
   explicit CellsWanted(bool at_faces) : at_faces_(at_faces) {}
 
-  bool at_faces_ = false, any_changed_ = false;
-  std::vector<OccupiedCells> changed_;  // By depth; empty: not asked for.
+  class Comparison;
+  static constexpr int kBlockDepth = 3;
+  using Blocks = std::bitset<std::size_t{1} << 3 * kBlockDepth>;
+  static std::size_t block_of(const Eigen::Vector3i& at, int depth);
+
+  struct Changes {
+    std::vector<OccupiedCells> cells;  // By depth: those whose normals may have changed.
+    std::array<Blocks, kDepth + 1> needed{}, needed_below{};  // By depth, coarsely.
+    bool none = true;
+  };
+  bool at_faces_ = false;
+  std::shared_ptr<const Changes> changes_;  // Null: not asked for.
 };
 
 /// Calls set(node, normal) for nodes of the tree in the middle of `around`: the normal that

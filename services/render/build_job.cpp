@@ -27,7 +27,7 @@ Status apply(const std::vector<Bytes>& changes, TileTree& tile, const SensorMode
 }  // namespace
 
 BuiltTile build(BuildJob job, const SensorModel& sensor) {
-  BuiltTile built{job.key, job.version, job.depth, nullptr, nullptr, {}, {}, false, false};
+  BuiltTile built{job.key, job.version, job.depth, nullptr, nullptr, {}, 0, {}, false, false};
   if (job.middle) {
     TreesAround around(*job.middle);
     for (const auto& [offset, tree] : job.around) around.set(offset, tree.get());
@@ -45,7 +45,10 @@ BuiltTile build(BuildJob job, const SensorModel& sensor) {
   if (auto applied = apply(job.changes, *tile, sensor); !applied) return refuse(applied);
   built.tree = std::make_shared<const RenderTree>(*tile, job.version, job.depth, job.before.get());
   if (job.free_depth > 0) built.free = std::make_shared<const FreeCells>(*tile, job.free_depth);
-  if (job.keep) built.tile = std::move(*tile);
+  if (job.keep) {
+    built.tile_bytes = tile->memory_bytes();
+    built.tile = std::move(*tile);
+  }
   return built;
 }
 

@@ -229,7 +229,10 @@ void TreeCache::take(BuiltTile built, std::int64_t now) {
     return count(tile);
   }
   const bool lent = std::exchange(tile.lent, false);
-  if (kept_track && lent) tile.live = std::move(built.tile);
+  if (kept_track && lent) {
+    tile.live = std::move(built.tile);
+    tile.live_bytes = built.tile_bytes;
+  }
   tile.fine = built.depth == kDepth;
   tile.tree = std::move(built.tree);
   tile.free = std::move(built.free);
@@ -256,7 +259,7 @@ void TreeCache::count(Tile& tile) {
   std::size_t bytes = sizeof(Tile);
   if (tile.tree) bytes += tile.tree->memory_bytes();
   if (tile.free) bytes += tile.free->memory_bytes();
-  if (tile.live) bytes += tile.live->memory_bytes();
+  if (tile.live) bytes += tile.live_bytes;
   if (tile.bytes) bytes += tile.bytes->capacity();
   if (tile.coarse) bytes += tile.coarse->capacity();
   for (const Bytes& change : tile.changes) bytes += change.capacity();

@@ -79,6 +79,7 @@ class TreeCache {
     std::uint64_t reach = 0;  // The version that the changes lead to; without, the source's.
     std::shared_ptr<const Bytes> bytes;  // The source: bytes, spare once a tree shows them,
     std::optional<TileTree> live;        // or the tile, which a job may have borrowed.
+    std::size_t live_bytes = 0;
     bool lent = false;
     std::shared_ptr<const Bytes> coarse;  // For the first tree; of a version of its own.
     std::uint64_t coarse_version = 0;
