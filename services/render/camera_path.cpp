@@ -16,6 +16,10 @@ constexpr double kHardlyAnything = 1e-9;  // Seconds: what rounding may take fro
 }  // namespace
 
 Result<CameraPath> CameraPath::create(ByteView bytes, const Lens& lens) {
+  if (bytes.size() % kRowBytes != 0) {
+    return fail(ErrorCode::kInvalid,
+                fmt::format("path: {} bytes are no whole rows of {}", bytes.size(), kRowBytes));
+  }
   std::vector<Row> rows;
   ByteReader reader(bytes);
   for (std::size_t i = 0; i < bytes.size() / kRowBytes; ++i) {

@@ -12,9 +12,9 @@ namespace voxatlas {
 /// Where a camera goes: render_request_t's path, interpolated between its rows (place on a straight
 /// line, orientation evenly along the shorter way).
 ///
-/// Errors: create: kOutOfRange, naming the row, for seconds that do not start at 0, do not ascend
-/// or
-///         end after kMaxSeconds, for a row that is no Camera, and for none at all.
+/// Errors: create: kInvalid for bytes that are no whole rows; kOutOfRange, naming the row, for
+///         seconds that do not start at 0, do not ascend or end after kMaxSeconds, for a row that
+///         is no Camera, and for none at all.
 /// Cost:   96 bytes a row.
 class CameraPath {
  public:

@@ -120,7 +120,6 @@ TEST_CASE("fields that contradict one another are corrupt", "[bus]") {
   CHECK(refused<frame_t>([](auto& m) { m.error = "no picture", m.size = 1, m.data = {1}; }));
   CHECK(
       refused<frame_t>([](auto& m) { m.depth_format = 0, m.depth_size = 1, m.depth_data = {1}; }));
-  CHECK(refused<render_request_t>([](auto& m) { ++m.path_size, m.path.push_back(0); }));
   CHECK(refused<scan_t>([](auto& m) { ++m.count; }));
   CHECK(refused<scan_t>([](auto& m) { m.part = m.parts; }));
   CHECK(refused<scan_t>([](auto& m) { m.parts = 65; }));

@@ -50,6 +50,7 @@ TEST_CASE("a bad request is answered by a frame that says what is bad", "[render
   refused([](R& r) { r.free_depth = 8; }, "free_depth 8");
   refused([](R& r) { r.path = Bytes(64), r.path_size = 64; }, "kind 0");
   refused([](R& r) { r.path = Bytes(64), r.path_size = 64, r.kind = 1, r.rate = 1; }, "row 0");
+  refused([](R& r) { r.path = Bytes(7), r.path_size = 7, r.kind = 1, r.rate = 1; }, "7 bytes");
   REQUIRE(world.listed == 0);
   REQUIRE(world.frame(world.request()).error.empty());  // And goes on.
 }
