@@ -11,7 +11,10 @@ namespace {
 constexpr float kStrength = 12;
 constexpr float kMostOfOnePair = 0.04f;  // So that one near leaf does not blacken its surroundings.
 constexpr std::array kReach = {1, 4};    // Pixels.
-constexpr std::array<EyeDome::Step, 4> kPairs = {{{1, 0}, {0, 1}, {1, 1}, {1, -1}}};
+struct Step {
+  int dx, dy;
+};
+constexpr std::array<Step, 4> kPairs = {{{1, 0}, {0, 1}, {1, 1}, {1, -1}}};
 constexpr float kMostShade = kMostOfOnePair * kPairs.size() * kReach.size();
 constexpr float kStepsPerShade = EyeDome::kSteps / kMostShade;
 
@@ -24,20 +27,18 @@ EyeDome::EyeDome(const CellImage& image, float roughness) : image_(image), rough
   }
 }
 
-/// Adds to `shade` how far each pixel of row y lies behind the mean of two opposite neighbours,
-/// as a part of its depth. Sky, and pixels whose pair leaves the picture, get nothing.
-void EyeDome::add_pair(int y, Step step, const float* inverse, float* shade) const {
-  const int margin = std::abs(step.dx);
-  if (y - std::abs(step.dy) < 0 || y + std::abs(step.dy) >= image_.height) return;
-  const std::ptrdiff_t offset = std::ptrdiff_t{step.dy} * image_.width + step.dx;
-  const float* z = image_.z.data() + image_.index(0, y);
-  const float* w = inverse;
-  const float roughness = roughness_;
-  for (int x = margin; x < image_.width - margin; ++x) {
-    const float before = (0.5f * (w[x + offset] + w[x - offset]) - w[x]) * z[x] - roughness * w[x];
-    const float some = before > 0 ? before : 0.0f;  // Sky: not a number, so nothing.
-    shade[x] += some < kMostOfOnePair ? some : kMostOfOnePair;
+/// Of row y: the pairs that lie within the picture.
+std::size_t EyeDome::pairs_of(int y, std::span<EyeDomePair> pairs) const {
+  std::size_t count = 0;
+  for (const int reach : kReach) {
+    for (const auto& [dx, dy] : kPairs) {
+      const int up = std::abs(dy * reach);
+      if (y - up < 0 || y + up >= image_.height) continue;
+      pairs[count++] = {std::ptrdiff_t{dy * reach} * image_.width + dx * reach,
+                        std::abs(dx * reach)};
+    }
   }
+  return count;
 }
 
 void EyeDome::light(int first, int last, Band& band) const {
@@ -45,20 +46,17 @@ void EyeDome::light(int first, int last, Band& band) const {
   const int below = std::min(image_.height, last + kReach.back());
   band.first_ = first;
   band.width_ = static_cast<std::size_t>(image_.width);
-  band.light_.assign(static_cast<std::size_t>(last - first) * band.width_, 0.0f);
+  band.light_.resize(static_cast<std::size_t>(last - first) * band.width_);
   band.inverse_.resize(static_cast<std::size_t>(below - above) * band.width_);
-  const float* from = image_.z.data() + image_.index(0, above);
-  std::transform(from, from + band.inverse_.size(), band.inverse_.begin(),
-                 [](float z) { return 1.0f / z; });  // Sky: 1 / infinity is 0.
+  invert_depths(image_.z.data() + image_.index(0, above), band.inverse_.size(),
+                band.inverse_.data());
+  std::array<EyeDomePair, kPairs.size() * kReach.size()> pairs;
   for (int y = first; y < last; ++y) {
     float* light = band.light_.data() + static_cast<std::size_t>(y - first) * band.width_;
     const float* inverse = band.inverse_.data() + static_cast<std::size_t>(y - above) * band.width_;
-    for (const int reach : kReach) {
-      for (const Step pair : kPairs) {
-        add_pair(y, {pair.dx * reach, pair.dy * reach}, inverse, light);
-      }
-    }
     const float* z = image_.z.data() + image_.index(0, y);
+    sum_shades(z, inverse, image_.width, {pairs.data(), pairs_of(y, pairs)}, roughness_,
+               kMostOfOnePair, light);
     for (std::size_t x = 0; x < band.width_; ++x) {
       light[x] = z[x] == CellImage::kNowhere
                      ? 1.0f

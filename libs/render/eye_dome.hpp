@@ -1,9 +1,11 @@
 #pragma once
 
+#include <array>
 #include <span>
 #include <vector>
 
 #include "render/cell_image.hpp"
+#include "render/eye_dome_rows.hpp"
 
 namespace voxatlas {
 
@@ -26,9 +28,6 @@ class EyeDome {
   EyeDome(const CellImage& image, float roughness);
 
   static constexpr int kSteps = 2000;  ///< Of light, so that a pixel costs a look.
-  struct Step {
-    int dx, dy;
-  };
 
   /// Rows first .. last - 1, and what they are reckoned from: kept between bands for its memory.
   class Band {
@@ -47,8 +46,7 @@ class EyeDome {
   void light(int first, int last, Band& band) const;
 
  private:
-  /// `inverse`: of the row's first pixel.
-  void add_pair(int y, Step step, const float* inverse, float* shade) const;
+  std::size_t pairs_of(int y, std::span<EyeDomePair> pairs) const;
 
   const CellImage& image_;
   float roughness_;

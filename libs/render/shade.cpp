@@ -35,6 +35,20 @@ struct AlongRow {
   Eigen::Vector3f at(int x) const { return first + static_cast<float>(x) * step; }
 };
 
+/// How high what a row's pixels show lies above the camera.
+struct HeightsAlongRow {
+  HeightsAlongRow(const AlongRow& starts, const AlongRow& sights, const Eigen::Vector3f& up)
+      : start(starts.first.dot(up)),
+        start_step(starts.step.dot(up)),
+        sight(sights.first.dot(up)),
+        sight_step(sights.step.dot(up)) {}
+  float at(int x, float z) const {
+    const auto pixels = static_cast<float>(x);
+    return start + pixels * start_step + z * (sight + pixels * sight_step);
+  }
+  float start, start_step, sight, sight_step;
+};
+
 /// All that pixels are coloured by; bands of rows by any number of threads.
 class TreeShader {
  public:
@@ -91,8 +105,8 @@ class TreeShader {
     look_up(first, last, y, scratch.near, shown);
     const auto light = scratch.light.row(y);
     const AlongRow sights = along(y, [&](double px, double py) { return camera_.ray(px, py); });
-    const AlongRow starts =
-        along(y, [&](double px, double py) { return camera_.point(px, py, 0); });
+    const HeightsAlongRow heights(
+        along(y, [&](double px, double py) { return camera_.point(px, py, 0); }), sights, up_);
     std::uint32_t shaded = CellImage::kNone;
     Rgb colour;
     for (int x = first; x < last; ++x) {
@@ -105,9 +119,7 @@ class TreeShader {
       }
       if (number != shaded) {
         const Eigen::Vector3f sight = sights.at(x);
-        const auto height = [&] {
-          return static_cast<double>((starts.at(x) + cells_.z[at] * sight).dot(up_));
-        };
+        const auto height = [&] { return static_cast<double>(heights.at(x, cells_.z[at])); };
         colour = colour_of(*shown[static_cast<std::size_t>(x - first)], number, sight, height);
       }
       shaded = number;
