@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cmath>
 #include <cstdint>
 
 #include "octree/colour.hpp"
@@ -30,8 +31,8 @@ class Sun {
   /// without a normal (zero) an even light.
   float on(const Eigen::Vector3f& normal, const Eigen::Vector3f& sight) const {
     if (normal.isZero(0)) return kWithoutNormal;
-    const float cosine = normal.dot(direction_);
-    const float seen = normal.dot(sight) > 0 ? -cosine : cosine;  // The side that is seen.
+    // The side that is seen. No branch: which way round a normal is nobody foresees.
+    const float seen = normal.dot(direction_) * std::copysign(1.0f, -normal.dot(sight));
     return kShade + (1 - kShade) * (0.5f + 0.5f * seen);
   }
 

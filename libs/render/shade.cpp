@@ -123,8 +123,7 @@ class TreeShader {
         colour = colour_of(*shown[static_cast<std::size_t>(x - first)], number, sight, height);
       }
       shaded = number;
-      const float dome = light[static_cast<std::size_t>(x)];
-      image.at(x, y) = dome == 1 ? colour : lit(colour, dome);
+      image.at(x, y) = lit(colour, light[static_cast<std::size_t>(x)]);
     }
   }
 
