@@ -20,18 +20,19 @@ namespace voxatlas {
 /// borders.
 struct BuildJob {
   TileKey key;
-  std::uint64_t version = 0;           ///< With the changes.
-  std::shared_ptr<const Bytes> bytes;  ///< encode_tile's; shared with the cache, which asks again.
-  std::optional<TileTree> tile;        ///< Or the tile, if it was kept.
-  std::vector<Bytes> changes;          ///< encode_delta's, in order.
-  int depth = kDepth;                  ///< No deeper cells.
-  bool keep = false;                   ///< Hand the tile back, for the next changes.
-  int free_depth = 0;                  ///< Its free cells of this depth too; 0: none.
+  std::uint64_t version = 0;  ///< With the changes.
+  std::shared_ptr<const Bytes>
+      bytes{};                     ///< encode_tile's; shared with the cache, which asks again.
+  std::optional<TileTree> tile{};  ///< Or the tile, if it was kept.
+  std::vector<Bytes> changes{};    ///< encode_delta's, in order.
+  int depth = kDepth;              ///< No deeper cells.
+  bool keep = false;               ///< Hand the tile back, for the next changes.
+  int free_depth = 0;              ///< Its free cells of this depth too; 0: none.
 
   using Tree = std::shared_ptr<const RenderTree>;
-  Tree before;  ///< An older one of the same depth, or null: what has not changed is as in it.
-  Tree middle;  ///< Not null: all above but key and version say nothing.
-  std::vector<std::pair<Eigen::Vector3i, Tree>> around;  ///< By offset, -1..1 on each axis.
+  Tree before{};  ///< An older one of the same depth, or null: what has not changed is as in it.
+  Tree middle{};  ///< Not null: all above but key and version say nothing.
+  std::vector<std::pair<Eigen::Vector3i, Tree>> around{};  ///< By offset, -1..1 on each axis.
 };
 
 struct BuiltTile {

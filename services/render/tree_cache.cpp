@@ -133,8 +133,10 @@ std::optional<BuildJob> TreeCache::job(TileKey key) {
   if (tile.rough && tile.fine && !(news && tile.has_source())) return border_job(key, tile);
   if (tile.coarse && !tile.tree) return coarse_job(key, tile);
   if (!tile.has_source() || !news) return std::nullopt;
-  BuildJob job{key,        tile.reach,       nullptr,   {},      {}, kDepth,
-               tile.lives, tile.free_wanted, tile.tree, nullptr, {}};
+  BuildJob job{key, tile.reach};
+  job.keep = tile.lives;
+  job.free_depth = tile.free_wanted;
+  job.before = tile.tree;
   if (!tile.tree) job.depth = kCoarse;
   if (tile.live) {
     job.tile = std::move(tile.live);
@@ -170,24 +172,17 @@ static void for_each_around(TileKey key, Visit visit) {
 }
 
 BuildJob TreeCache::coarse_job(TileKey key, Tile& tile) {
-  BuildJob job{key,
-               tile.coarse_version,
-               std::exchange(tile.coarse, nullptr),
-               {},
-               {},
-               kCoarse,
-               false,
-               0,
-               nullptr,
-               nullptr,
-               {}};
+  BuildJob job{key, tile.coarse_version};
+  job.bytes = std::exchange(tile.coarse, nullptr);
+  job.depth = kCoarse;
   tile.building = true;
   tile.stale_next = 0;
   return job;
 }
 
 BuildJob TreeCache::border_job(TileKey key, Tile& tile) {
-  BuildJob job{key, tile.shown(), nullptr, {}, {}, kDepth, false, 0, nullptr, tile.tree, {}};
+  BuildJob job{key, tile.shown()};
+  job.middle = tile.tree;
   for_each_around(key, [&](const Eigen::Vector3i& offset, TileKey around) {
     const auto found = tiles_.find(around);
     if (found != tiles_.end() && found->second.fine) {
