@@ -42,6 +42,7 @@ std::optional<Colour> BrickColours::uniform() const {
 
 void BrickColours::add(const VoxelMask& voxels, std::span<const Rgb> seen) {
   const VoxelMask all = either(voxels_, voxels);
+  if (all == voxels_ && colours_.size() > 1) return add_in_place(voxels, seen);
   std::vector<Colour> merged;
   merged.reserve(count_of(all));
   std::size_t next = 0;
@@ -55,6 +56,18 @@ void BrickColours::add(const VoxelMask& voxels, std::span<const Rgb> seen) {
   });
   voxels_ = all;
   colours_ = std::move(merged);
+}
+
+/// The voxels have colours of their own already, as most do that are seen once more.
+void BrickColours::add_in_place(const VoxelMask& voxels, std::span<const Rgb> seen) {
+  auto next = colours_.begin();
+  for (std::size_t z = 0; z < 8; ++z) {
+    for (std::uint64_t left = voxels_[z]; left != 0; left &= left - 1, ++next) {
+      const std::uint64_t bit = left & -left;
+      if ((voxels[z] & bit) == 0) continue;
+      next->add(seen[64 * z + static_cast<std::size_t>(std::countr_zero(bit))]);
+    }
+  }
 }
 
 void BrickColours::assign(const VoxelMask& voxels, const Colour& colour) {

@@ -49,6 +49,8 @@ class BrickColours {
   friend bool operator==(const BrickColours& a, const BrickColours& b);
 
  private:
+  void add_in_place(const VoxelMask& voxels, std::span<const Rgb> seen);
+
   VoxelMask voxels_{};
   std::vector<Colour> colours_;  ///< One for each set bit, or one for all of them.
 };

@@ -16,10 +16,6 @@ std::uint16_t moved(std::uint16_t mean, std::uint8_t seen, int n) {
   return static_cast<std::uint16_t>(mean + divide_rounded(256 * seen - mean, n));
 }
 
-std::uint8_t rounded(std::uint16_t mean) {
-  return static_cast<std::uint8_t>(std::min((mean + 128) >> 8, 255));
-}
-
 }  // namespace
 
 void Colour::add(Rgb seen) {
@@ -27,7 +23,5 @@ void Colour::add(Rgb seen) {
   mean = {moved(mean[0], seen.r, count), moved(mean[1], seen.g, count),
           moved(mean[2], seen.b, count)};
 }
-
-Rgb Colour::rgb() const { return {rounded(mean[0]), rounded(mean[1]), rounded(mean[2])}; }
 
 }  // namespace voxatlas

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 
@@ -24,9 +25,15 @@ struct Colour {
 
   bool exists() const { return count != 0; }
   void add(Rgb seen);
-  Rgb rgb() const;  ///< The mean, rounded to 8 bits a channel.
+  /// The mean, rounded to 8 bits a channel.
+  Rgb rgb() const { return {rounded(mean[0]), rounded(mean[1]), rounded(mean[2])}; }
 
   friend bool operator==(const Colour&, const Colour&) = default;
+
+ private:
+  static std::uint8_t rounded(std::uint16_t mean) {
+    return static_cast<std::uint8_t>(std::min((mean + 128) >> 8, 255));
+  }
 };
 
 }  // namespace voxatlas

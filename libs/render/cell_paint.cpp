@@ -15,15 +15,6 @@ Eigen::Vector2f fold(const Eigen::Vector2f& p) {
 
 }  // namespace
 
-CellPaint::CellPaint(const CellState& state, const Eigen::Vector3f& normal)
-    : log_odds_(static_cast<std::uint8_t>(state.log_odds >> kLogOddsShift)) {
-  if (state.colour.exists()) {
-    rgb_ = state.colour.rgb();
-    bits_ = kColoured;
-  }
-  set_normal(normal);
-}
-
 void CellPaint::set_normal(const Eigen::Vector3f& normal) {
   bits_ &= kColoured;
   if (normal.isZero()) return;

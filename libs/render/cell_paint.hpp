@@ -16,8 +16,13 @@ namespace voxatlas {
 class CellPaint {
  public:
   CellPaint() = default;
-  /// `normal` of length 1, or zero for none.
-  CellPaint(const CellState& state, const Eigen::Vector3f& normal);
+  /// Without a normal.
+  explicit CellPaint(const CellState& state)
+      : log_odds_(static_cast<std::uint8_t>(state.log_odds >> kLogOddsShift)) {
+    if (!state.colour.exists()) return;
+    rgb_ = state.colour.rgb();
+    bits_ = kColoured;
+  }
 
   /// Of length 1, or zero for none.
   void set_normal(const Eigen::Vector3f& normal);

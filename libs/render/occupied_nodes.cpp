@@ -20,6 +20,7 @@ struct Sum {
   std::uint32_t coloured = 0;           ///< how many voxels have one,
   std::array<std::uint64_t, 3> mean{};  ///< and the sum of theirs.
 
+  /// Of a uniform cell.
   static Sum of(const CellState& state, std::uint32_t voxels) {
     Sum sum{state.log_odds, true, state.colour, state.colour.count, 0, {}};
     if (!state.colour.exists()) return sum;
@@ -39,6 +40,16 @@ struct Sum {
     count = std::max(count, child.count);
     coloured += child.coloured;
     for (std::size_t i = 0; i < 3; ++i) mean[i] += child.mean[i];
+  }
+  /// The same as adding the Sum of one voxel, which is most of the work.
+  void add_voxel(const CellState& state, bool is_first) {
+    uniform = is_first || (uniform && highest == state.log_odds && first == state.colour);
+    if (is_first) first = state.colour;
+    highest = std::max(highest, state.log_odds);
+    if (!state.colour.exists()) return;
+    count = std::max(count, state.colour.count);
+    ++coloured;
+    for (std::size_t i = 0; i < 3; ++i) mean[i] += state.colour.mean[i];
   }
   /// As Summary::state.
   CellState state() const {
@@ -166,9 +177,9 @@ Sum Collector::cell_of_8(const MortonVoxels& voxels, std::uint32_t byte, std::ui
   bool first = true;
   for (std::uint64_t left = bits; left != 0; left &= left - 1) {
     const std::uint32_t at = byte * 8 + static_cast<std::uint32_t>(std::countr_zero(left));
-    const Sum voxel = Sum::of({voxels.log_odds[at], voxels.colours[at]}, 1);
-    sum.add(voxel, std::exchange(first, false));
-    add(kDepth, brick << 9 | at, voxel);
+    const CellState state{voxels.log_odds[at], voxels.colours[at]};
+    sum.add_voxel(state, std::exchange(first, false));
+    if (max_depth_ == kDepth) nodes_[kDepth].push_back({brick << 9 | at, state});
   }
   sum.uniform = sum.uniform && bits == 0xff;
   if (sum.uniform) take_back(kDepth);

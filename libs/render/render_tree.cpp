@@ -18,7 +18,7 @@ RenderTree::RenderTree(const TileTree& tree, std::uint64_t version, int max_dept
   for (std::size_t depth = 0; depth < nodes.size(); ++depth) {
     begin_[depth] = node_count();
     for (const OccupiedNode& node : nodes[depth]) {
-      paints_.emplace_back(node.state, Eigen::Vector3f::Zero());
+      paints_.emplace_back(node.state);
     }
     if (depth > 0 && depth <= static_cast<std::size_t>(max_depth)) {
       add_links(nodes[depth - 1], nodes[depth]);
@@ -27,8 +27,10 @@ RenderTree::RenderTree(const TileTree& tree, std::uint64_t version, int max_dept
   begin_[kDepth + 1] = node_count();
   links_.shrink_to_fit();
   count_cells();
-  const auto keep = [&](std::uint32_t old, std::uint32_t node) {
-    paints_[node].set_normal_of(before->paints_[old]);
+  const auto keep = [&](std::uint32_t old, std::uint32_t node, std::uint32_t run) {
+    for (std::uint32_t i = 0; i < run; ++i) {
+      paints_[node + i].set_normal_of(before->paints_[old + i]);
+    }
   };
   const bool alike = before != nullptr && before->max_depth() == max_depth;
   set_normals(TreesAround(*this),

@@ -85,14 +85,14 @@ std::size_t CellsWanted::block_of(const Eigen::Vector3i& at, int depth) {
 /// Goes through two trees of a tile side by side, for what only one of them has.
 class CellsWanted::Comparison {
  public:
-  Comparison(const RenderTree& before, const RenderTree& after,
-             const std::function<void(std::uint32_t, std::uint32_t)>& same)
-      : before_(before), after_(after), same_(same) {
+  Comparison(const RenderTree& before, const RenderTree& after, const Same& same)
+      : before_{before, before.depth()}, after_{after, after.depth()}, same_(same) {
     for (int depth = 0; depth <= after.depth(); ++depth) changes_.cells.emplace_back(depth);
     if (after.empty()) return;
     if (before.empty()) {
       mark(Eigen::Vector3i::Zero(), 0);
     } else {
+      same_(0, 0, 1);
       compare(0, 0, 0, Eigen::Vector3i::Zero());
     }
     for (std::size_t depth = kDepth; depth > 0; --depth) {
@@ -102,23 +102,32 @@ class CellsWanted::Comparison {
   Changes take() { return std::move(changes_); }
 
  private:
-  static TreeChildren children(const RenderTree& tree, std::uint32_t node, int depth) {
-    return depth < tree.depth() ? tree.children(node) : TreeChildren{0, 0};
-  }
+  struct Side {
+    const RenderTree& tree;
+    int deepest;
 
+    TreeChildren children(std::uint32_t node, int depth) const {
+      return depth < deepest ? tree.children(node) : TreeChildren{0, 0};
+    }
+  };
+
+  /// What lies below a cell that both have.
   void compare(std::uint32_t old_node, std::uint32_t new_node, int depth,
                const Eigen::Vector3i& at) {
-    same_(old_node, new_node);
-    TreeChildren was = children(before_, old_node, depth);
-    TreeChildren is = children(after_, new_node, depth);
+    TreeChildren was = before_.children(old_node, depth);
+    TreeChildren is = after_.children(new_node, depth);
     if ((was.octants == 0) != (is.octants == 0)) {  // A leaf fills what lies below it.
       for (int octant = 0; octant < 8; ++octant) mark(child_at(at, octant), depth + 1);
       return;
     }
+    const bool alike = was.octants == is.octants;
+    if (alike) same_(was.first, is.first, static_cast<std::uint32_t>(std::popcount(is.octants)));
+    if (alike && depth + 1 >= before_.deepest && depth + 1 >= after_.deepest) return;
     for (std::uint32_t left = was.octants | is.octants; left != 0; left &= left - 1) {
       const int octant = std::countr_zero(left);
       const std::uint32_t bit = left & -left;
       if ((was.octants & is.octants & bit) != 0) {
+        if (!alike) same_(was.first, is.first, 1);
         compare(was.first++, is.first++, depth + 1, child_at(at, octant));
         continue;
       }
@@ -153,13 +162,13 @@ class CellsWanted::Comparison {
     }
   }
 
-  const RenderTree &before_, &after_;
-  const std::function<void(std::uint32_t, std::uint32_t)>& same_;
+  const Side before_, after_;
+  const Same& same_;
   Changes changes_;
 };
 
 CellsWanted CellsWanted::changed(const RenderTree& before, const RenderTree& after,
-                                 const std::function<void(std::uint32_t, std::uint32_t)>& same) {
+                                 const Same& same) {
   CellsWanted wanted = all();
   wanted.changes_ = std::make_shared<const Changes>(Comparison(before, after, same).take());
   return wanted;

@@ -20,9 +20,10 @@ class CellsWanted {
   /// Those within OccupiedCells::kMargin of the tile's faces.
   static CellsWanted at_faces() { return CellsWanted(true); }
   /// Those of `after` around which anything differs from `before`: another tree of the same tile.
-  /// Calls same(node of before, node of after) for the cells that both have.
-  static CellsWanted changed(const RenderTree& before, const RenderTree& after,
-                             const std::function<void(std::uint32_t, std::uint32_t)>& same);
+  /// Calls same(node of before, node of after, count) for the cells that both have: so many nodes
+  /// from there on, in either tree.
+  using Same = std::function<void(std::uint32_t, std::uint32_t, std::uint32_t)>;
+  static CellsWanted changed(const RenderTree& before, const RenderTree& after, const Same& same);
 
   bool none() const { return changes_ != nullptr && changes_->none; }
   bool holds(const Eigen::Vector3i& at, int depth) const;

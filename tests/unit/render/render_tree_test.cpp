@@ -279,18 +279,22 @@ TEST_CASE("borders of nothing change nothing, and coarse neighbours fill nothing
 TEST_CASE("a paint keeps a normal to two degrees", "[render_tree]") {
   auto rng = test::engine();
   std::normal_distribution<float> side;
-  REQUIRE(CellPaint({100, {}}, Eigen::Vector3f::Zero()).normal().isZero());
+  CellPaint paint({100, {}});
+  REQUIRE(paint.normal().isZero());
   for (int i = 0; i < 20'000; ++i) {
     Eigen::Vector3f normal(side(rng), side(rng), side(rng));
     for (int axis = 0; axis < 3; ++axis) {
       if (i % 5 == axis) normal[axis] = 0;
     }
     normal.normalize();
-    const Eigen::Vector3f kept = CellPaint({100, {}}, normal).normal();
+    paint.set_normal(normal);
+    const Eigen::Vector3f kept = paint.normal();
     CAPTURE(normal.transpose(), kept.transpose());
     REQUIRE(kept.cross(normal).norm() < 0.035f);
     REQUIRE(kept.dot(normal) > 0);
   }
+  paint.set_normal(Eigen::Vector3f::Zero());
+  REQUIRE(paint.normal().isZero());
 }
 
 TEST_CASE("a tile with nothing occupied has an empty render tree", "[render_tree]") {
