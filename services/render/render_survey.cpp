@@ -13,6 +13,9 @@ namespace {
 constexpr std::int64_t kSurveyGap = 3'000;  // For fetching; before a picture it is always done.
 constexpr std::int64_t kSurveyAnyway = 250'000;  // Listings grow old though nothing comes in.
 constexpr std::int64_t kTick = 50'000;
+/// What a stream shows of a tile gets normals across borders once nothing around has changed for so
+/// long: while scans come in they would be made for one picture, and each costs others their turn.
+constexpr std::int64_t kCalm = 300'000;
 
 std::uint64_t mix(std::uint64_t stamp, std::uint64_t value) { return splitmix64(stamp ^ value); }
 
@@ -75,7 +78,7 @@ void RenderService::survey_tiles(Client& client, const TileDirectory::View& seen
     }
     if (tile.complete) {
       if (tile.tree && !tile.smooth) {
-        client.rough.push_back(key);
+        if (!moving || now.steady - tile.rough_at >= kCalm) client.rough.push_back(key);
         sight.complete = false;
       }
       continue;
@@ -142,7 +145,7 @@ void RenderService::give_builds(Output& out) {
     }
     for (const TileKey key : round_robin(lists)) {
       if (building_ >= config_.builds) return;
-      auto job = cache_.job(key);
+      auto job = cache_.job(key, list == &Client::rough);  // A list may be older than a tree.
       if (!job) continue;
       out.builds.push_back(std::move(*job));
       ++building_;

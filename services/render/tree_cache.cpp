@@ -113,6 +113,7 @@ TreeCache::Standing TreeCache::look(TileKey key, std::uint64_t newest, std::int6
   standing.serial = tile.serial;
   standing.complete = (tile.fine && tile.shown() >= newest) || tile.broken >= newest;
   standing.smooth = standing.complete && !tile.rough && !tile.building;
+  standing.rough_at = tile.rough_at;
   if (standing.complete || tile.building) return standing;
   if (tile.has_source() && tile.reach < newest) {  // Changes were lost: a listing says so.
     tile.drop_source();
@@ -124,13 +125,15 @@ TreeCache::Standing TreeCache::look(TileKey key, std::uint64_t newest, std::int6
   return standing;
 }
 
-std::optional<BuildJob> TreeCache::job(TileKey key) {
+std::optional<BuildJob> TreeCache::job(TileKey key, bool borders) {
   const auto found = tiles_.find(key);
   if (found == tiles_.end()) return std::nullopt;
   Tile& tile = found->second;
   const bool news = tile.shown() < tile.reach || !tile.fine;
   if (tile.building) return std::nullopt;
-  if (tile.rough && tile.fine && !(news && tile.has_source())) return border_job(key, tile);
+  if (tile.rough && tile.fine && !(news && tile.has_source())) {
+    return borders ? std::optional(border_job(key, tile)) : std::nullopt;
+  }
   if (tile.coarse && !tile.tree) return coarse_job(key, tile);
   if (!tile.has_source() || !news) return std::nullopt;
   BuildJob job{key, tile.reach};
@@ -195,10 +198,16 @@ BuildJob TreeCache::border_job(TileKey key, Tile& tile) {
   return job;
 }
 
-void TreeCache::roughen_around(TileKey key) {
-  for_each_around(key, [&](const Eigen::Vector3i&, TileKey around) {
-    if (const auto found = tiles_.find(around); found != tiles_.end()) found->second.rough = true;
-  });
+/// A tile and those around it.
+void TreeCache::roughen(TileKey key, std::int64_t now) {
+  const auto mark = [&](TileKey tile) {
+    const auto found = tiles_.find(tile);
+    if (found == tiles_.end()) return;
+    found->second.rough = true;
+    found->second.rough_at = now;
+  };
+  mark(key);
+  for_each_around(key, [&](const Eigen::Vector3i&, TileKey around) { mark(around); });
 }
 
 void TreeCache::take(BuiltTile built, std::int64_t now) {
@@ -234,8 +243,7 @@ void TreeCache::take(BuiltTile built, std::int64_t now) {
   if (tile.fine) {
     tile.stale_since = tile.stale_next;
     tile.stale_next = 0;
-    tile.rough = true;
-    roughen_around(built.key);
+    roughen(built.key, now);
   }
   settle(tile, now);
   count(tile);

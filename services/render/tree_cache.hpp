@@ -56,6 +56,7 @@ class TreeCache {
     bool must_ask = false;         ///< The bytes are to be asked for,
     int ask_depth = kDepth;        ///< to this depth.
     bool smooth = false;           ///< Complete, and its normals are of what is around it, too.
+    std::int64_t rough_at = 0;     ///< When a tree around it, or its own, last changed.
     std::uint64_t serial = 0;      ///< Of the tree: another one has another.
     bool must_build = false;       ///< job() has something to do.
     std::int64_t stale_since = 0;  ///< utime of the first change not shown; 0: none is known.
@@ -63,8 +64,9 @@ class TreeCache {
   /// `free_depth`: of the free cells that are drawn too; 0: none are.
   Standing look(TileKey key, std::uint64_t newest, std::int64_t now, int free_depth = 0);
 
-  /// What is to be built of a tile next, nullopt where nothing is or it is being built.
-  std::optional<BuildJob> job(TileKey key);
+  /// What is to be built of a tile next, nullopt where nothing is or it is being built. Where it is
+  /// as new as can be, its normals across borders, if they are asked for.
+  std::optional<BuildJob> job(TileKey key, bool borders = true);
 
   /// Drops tiles until the budget holds or only those in use are left.
   void trim(std::int64_t now);
@@ -95,7 +97,7 @@ class TreeCache {
     bool lost_track = false;   // What comes back from the job is of no use for the next.
     std::uint64_t broken = 0;  // This version is no tile: not asked for again.
     std::int64_t stale_since = 0, stale_next = 0;  // The latter: since the job was made.
-    std::int64_t used_at = 0, changed_at = 0, ask_again_at = 0;
+    std::int64_t used_at = 0, changed_at = 0, ask_again_at = 0, rough_at = 0;
     std::size_t counted = 0, spare = 0;  // Its share of bytes_ and of spare_bytes_.
 
     bool rests() const { return fine && !building && changes.empty() && shown() >= reach; }
@@ -108,7 +110,7 @@ class TreeCache {
   void settle(Tile& tile, std::int64_t now);
   BuildJob coarse_job(TileKey key, Tile& tile);
   BuildJob border_job(TileKey key, Tile& tile);
-  void roughen_around(TileKey key);
+  void roughen(TileKey key, std::int64_t now);
   void drop_spare();
 
   std::size_t budget_;

@@ -94,6 +94,25 @@ TEST_CASE("a stream keeps to its rate while everything changes", "[render]") {
   REQUIRE(frames <= 12);
 }
 
+TEST_CASE("a stream looks across borders once what is around a tile has come to rest", "[render]") {
+  test::RenderWorld world;
+  world.ask(resting(world));
+  world.run(1'000'000);
+  const int before = world.bordered;
+  REQUIRE(before > 0);
+  const TileKey key = world.in_view()[0];
+  for (std::uint32_t i = 0; i < 100; ++i) {
+    TileDelta delta;
+    delta.hits.insert({kDepth, i * 977});
+    world.change(key, delta, 1);
+    world.run(10'000);
+  }
+  REQUIRE(world.bordered == before);
+  world.run(1'000'000);
+  REQUIRE(world.bordered > before);
+  REQUIRE(world.frames.back().frame.final == 1);
+}
+
 render_request_t along_a_path(const test::RenderWorld& world, double seconds, double rate) {
   auto request = world.request();
   request.kind = 1;

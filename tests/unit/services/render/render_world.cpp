@@ -141,6 +141,7 @@ void RenderWorld::step(Renderer& renderer) {
   }
   for (auto& job : out.builds) {
     built.emplace_back(job.key, job.depth);
+    bordered += job.middle != nullptr;
     renderer.building.emplace(now.steady + setting_.build_us,
                               build(std::move(job), SensorModel::standard()));
   }

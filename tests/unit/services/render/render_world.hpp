@@ -58,6 +58,7 @@ class RenderWorld {
   std::vector<OutgoingFrame> frames;
   std::vector<std::int64_t> arrived_at;        ///< Of each frame, steady.
   std::vector<std::pair<TileKey, int>> built;  ///< And at which depth.
+  int bordered = 0;                            ///< Jobs that only looked across borders.
   std::vector<TileKey> fetched;
   std::set<TileKey> silent;    ///< Tiles that never come.
   std::set<std::size_t> dead;  ///< Renderers.
