@@ -4,7 +4,9 @@
 //                          time the frame itself took; alone, and beside a client who asks a
 //                          thousand times a second
 //   render_probe live      from a change that is durable to the frame that shows it, while scans
-//                          come in; until a change is as old as --quiet
+//                          come in; until a change is as old as --quiet. Changes count from when a
+//                          frame shows all that was there when the stream was asked for, which is
+//                          live_first_ms after that.
 //
 // Prints "name value unit" a line.
 #include <fmt/format.h>
@@ -151,7 +153,8 @@ void measure_live(const Options& options) {
   const Grid grid = client->parameters().grid();
   std::vector<std::int64_t> pending;  // utime of changes that are not shown yet.
   std::vector<double> delays;
-  std::int64_t frames = 0, changed_at = 0;
+  std::int64_t frames = 0, changed_at = 0, first_at = 0;
+  const std::int64_t asked_at = utime_now();
   client->bus().subscribe<tile_update_t>(kTileUpdateChannel, [&](const tile_update_t& update) {
     const auto key = grid.tile_from_morton(static_cast<std::uint64_t>(update.tile));
     if (!key || tiles_in_view(camera, grid, std::array{*key}).empty()) return;
@@ -164,9 +167,11 @@ void measure_live(const Options& options) {
     if (!frame.error.empty()) throw std::runtime_error(frame.error);
     ++frames;
     const std::int64_t now = utime_now();
+    const bool live = first_at > 0;  // Until then the view was being fetched, not kept live.
+    if (!live && frame.shown_until >= asked_at) first_at = now;
     std::erase_if(pending, [&](std::int64_t changed) {
       if (frame.shown_until < changed + kTelling) return false;
-      delays.push_back(static_cast<double>(now - changed) / 1000);
+      if (live) delays.push_back(static_cast<double>(now - changed) / 1000);
       return true;
     });
   });
@@ -191,6 +196,7 @@ void measure_live(const Options& options) {
   check(loop.run());
   print("live_changes", static_cast<double>(delays.size()), "tiles");
   print("live_never_shown", static_cast<double>(pending.size()), "tiles");
+  print("live_first_ms", static_cast<double>(first_at - asked_at) / 1000, "ms");
   print("live_frames", static_cast<double>(frames), "frames");
   print("live_median_ms", percentile(delays, 0.5), "ms");
   print("live_p95_ms", percentile(delays, 0.95), "ms");
