@@ -15,7 +15,7 @@ constexpr std::int64_t kSurveyAnyway = 250'000;  // Listings grow old though not
 constexpr std::int64_t kTick = 50'000;
 /// What a stream shows of a tile gets normals across borders once nothing around has changed for so
 /// long: while scans come in they would be made for one picture, and each costs others their turn.
-constexpr std::int64_t kCalm = 300'000;
+constexpr std::int64_t kCalm = 200'000;
 
 std::uint64_t mix(std::uint64_t stamp, std::uint64_t value) { return splitmix64(stamp ^ value); }
 
