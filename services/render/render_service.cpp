@@ -146,6 +146,7 @@ void RenderService::on_tile_reply(const tile_reply_t& reply, Moment now) {
 void RenderService::take_arrivals(Moment now) {
   for (const Listing& listing : asker_.take_listings()) {
     directory_.take(listing.range, listing.tiles, listing.asked);
+    for (const auto& [key, version] : listing.tiles) cache_.hear(key, version, now.steady);
     ++generation_;
   }
   for (ArrivedTile& tile : asker_.take_tiles()) {

@@ -19,6 +19,15 @@ constexpr std::int64_t kCalm = 200'000;
 
 std::uint64_t mix(std::uint64_t stamp, std::uint64_t value) { return splitmix64(stamp ^ value); }
 
+/// Until when all is shown of a tile that is not as new as it could be, utime.
+std::int64_t shown_until(const TreeCache::Standing& tile, Moment now) {
+  std::int64_t first = tile.stale_since;
+  if (first == 0 && tile.fine && tile.behind_since > 0) {  // Told of by a listing, so long ago.
+    first = now.utime - (now.steady - tile.behind_since);
+  }
+  return std::max<std::int64_t>(0, first - 1);
+}
+
 }  // namespace
 
 bool RenderService::needs_survey(const Client& client, Moment now) const {
@@ -83,8 +92,7 @@ void RenderService::survey_tiles(Client& client, const TileDirectory::View& seen
       }
       continue;
     }
-    sight.shown_until =
-        std::min(sight.shown_until, std::max<std::int64_t>(0, tile.stale_since - 1));
+    sight.shown_until = std::min(sight.shown_until, shown_until(tile, now));
     const bool no_room = tile.must_ask && !tile.tree && cache_.full();
     if (tile.must_ask && !no_room) client.asks.push_back(key);
     if (tile.must_build && !tile.tree) client.coarse.push_back(key);

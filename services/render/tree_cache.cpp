@@ -13,6 +13,9 @@ constexpr std::int64_t kTrimEvery = 100'000;
 /// A tile that came and is not new enough is not asked for again at once: whoever told of a newer
 /// version may have been wrong.
 constexpr std::int64_t kAskGap = 50'000;
+/// A listing may overtake the changes that it knows of, which come by another way: for so long they
+/// are not taken for lost.
+constexpr std::int64_t kOvertaken = 200'000;
 constexpr std::uint64_t kNeverWritten = ~std::uint64_t{0};
 
 }  // namespace
@@ -90,6 +93,13 @@ void TreeCache::update(Update update, bool watched, std::int64_t now) {
   count(tile);
 }
 
+void TreeCache::hear(TileKey key, std::uint64_t version, std::int64_t now) {
+  const auto found = tiles_.find(key);
+  if (found == tiles_.end()) return;
+  Tile& tile = found->second;
+  if (version > tile.known() && tile.behind_since == 0) tile.behind_since = now;
+}
+
 TreeCache::Standing TreeCache::look(TileKey key, std::uint64_t newest, std::int64_t now,
                                     int free_depth) {
   Standing standing;
@@ -114,8 +124,11 @@ TreeCache::Standing TreeCache::look(TileKey key, std::uint64_t newest, std::int6
   standing.complete = (tile.fine && tile.shown() >= newest) || tile.broken >= newest;
   standing.smooth = standing.complete && !tile.rough && !tile.building;
   standing.rough_at = tile.rough_at;
+  if (tile.known() >= newest) tile.behind_since = 0;
+  standing.behind_since = tile.behind_since;
   if (standing.complete || tile.building) return standing;
-  if (tile.has_source() && tile.reach < newest) {  // Changes were lost: a listing says so.
+  const bool overtaken = tile.behind_since > 0 && now - tile.behind_since < kOvertaken;
+  if (tile.has_source() && tile.reach < newest && !overtaken) {  // Changes were lost.
     tile.drop_source();
     count(tile);
   }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -17,8 +18,9 @@ namespace voxatlas {
 /// Life:    of a tile that is not here the coarse cells are asked for first, and a coarse tree is
 ///          built of them; then all of it, and a fine tree. The bytes are kept while there is
 ///          room. A tile that changes is made of them, or asked for once more, and kept, so that
-///          further changes only have to be applied; for kKeepLive after the last of them. One that
-///          comes into being where somebody looks is known from its first change on.
+///          further changes only have to be applied; for kKeepLive after the last of them. Where a
+///          listing is ahead of them, they are waited for before all of it is asked for. A tile
+///          that comes into being where somebody looks is known from its first change on.
 /// Memory:  at most the budget, but for what has been used less than kInUse ago; those used longest
 ///          ago go first.
 /// Time:    is told. Threads: one at a time; trees are shared with whoever draws them.
@@ -47,6 +49,9 @@ class TreeCache {
 
   void take(BuiltTile built, std::int64_t now);
 
+  /// A version that a listing told of. The changes that lead to it may still be on their way.
+  void hear(TileKey key, std::uint64_t version, std::int64_t now);
+
   /// How a tile stands against the newest version known.
   struct Standing {
     std::shared_ptr<const RenderTree> tree;  ///< What can be drawn now; null: nothing.
@@ -60,6 +65,8 @@ class TreeCache {
     std::uint64_t serial = 0;      ///< Of the tree: another one has another.
     bool must_build = false;       ///< job() has something to do.
     std::int64_t stale_since = 0;  ///< utime of the first change not shown; 0: none is known.
+    /// Since when a listing is ahead of the changes, steady; 0: none is.
+    std::int64_t behind_since = 0;
   };
   /// `free_depth`: of the free cells that are drawn too; 0: none are.
   Standing look(TileKey key, std::uint64_t newest, std::int64_t now, int free_depth = 0);
@@ -97,12 +104,13 @@ class TreeCache {
     bool lost_track = false;   // What comes back from the job is of no use for the next.
     std::uint64_t broken = 0;  // This version is no tile: not asked for again.
     std::int64_t stale_since = 0, stale_next = 0;  // The latter: since the job was made.
-    std::int64_t used_at = 0, changed_at = 0, ask_again_at = 0, rough_at = 0;
+    std::int64_t used_at = 0, changed_at = 0, ask_again_at = 0, rough_at = 0, behind_since = 0;
     std::size_t counted = 0, spare = 0;  // Its share of bytes_ and of spare_bytes_.
 
     bool rests() const { return fine && !building && changes.empty() && shown() >= reach; }
     bool has_source() const { return lent || live.has_value() || bytes != nullptr; }
     std::uint64_t shown() const { return tree ? tree->version() : 0; }
+    std::uint64_t known() const { return std::max(reach, shown()); }
     void drop_source();
   };
 

@@ -113,6 +113,32 @@ TEST_CASE("a stream looks across borders once what is around a tile has come to 
   REQUIRE(world.frames.back().frame.final == 1);
 }
 
+TEST_CASE("a stream waits for changes that a listing has overtaken", "[render]") {
+  test::RenderWorld world;
+  world.ask(resting(world));
+  world.run(1'000'000);
+  const std::size_t fetched = world.fetched.size(), before = world.frames.size();
+  const int listed = world.listed;
+  const TileKey key = world.in_view()[0];
+  std::vector<tile_update_t> late;
+  for (std::uint32_t i = 0; i < 300; ++i) {
+    TileDelta delta;
+    delta.hits.insert({kDepth, i * 977});
+    late.push_back(world.change(key, delta, -1));
+    world.run(10'000);
+    if (i >= 6) world.tell(late[i - 6]);
+  }
+  REQUIRE(world.listed >= listed + 2);
+  REQUIRE(world.fetched.size() == fetched);
+  for (std::size_t i = before; i < world.frames.size(); ++i) {
+    const frame_t& frame = world.frames[i].frame;
+    REQUIRE(frame.shown_until > frame.utime - 200'000);
+  }
+  world.run(1'000'000);  // The last six were lost.
+  REQUIRE(world.fetched.size() > fetched);
+  REQUIRE(world.frames.back().frame.newest_version == late.back().version);
+}
+
 render_request_t along_a_path(const test::RenderWorld& world, double seconds, double rate) {
   auto request = world.request();
   request.kind = 1;

@@ -211,19 +211,19 @@ frame_t RenderWorld::frame(const render_request_t& request) {
   return frames_of(request.client).back();
 }
 
-void RenderWorld::change(TileKey key, const TileDelta& delta, int content) {
+tile_update_t RenderWorld::change(TileKey key, const TileDelta& delta, int content) {
   auto& [version, tree] = stored.at(key);
   tree.apply(delta, SensorModel::standard());
   ++version;
-  if (content < 0) return;
   tile_update_t update{};
   update.utime = now.utime;
   update.tile = static_cast<std::int64_t>(key.morton());
   update.version = static_cast<std::int64_t>(version);
-  update.content = static_cast<std::int8_t>(content);
-  if (content == 1) encode_delta(delta, update.payload);
+  update.content = static_cast<std::int8_t>(content != 0);
+  if (content != 0) encode_delta(delta, update.payload);
   update.size = static_cast<std::int32_t>(update.payload.size());
-  tell(update);
+  if (content >= 0) tell(update);
+  return update;
 }
 
 void RenderWorld::tell(const tile_update_t& update) {

@@ -44,8 +44,8 @@ class RenderWorld {
   std::vector<frame_t> frames_of(std::int64_t client) const;
 
   /// The store's tile gets another version; everyone is told with its delta (1), or that it has
-  /// (0), unless it is lost (-1).
-  void change(TileKey key, const TileDelta& delta, int content);
+  /// (0), or nobody (-1): what is returned tells of it.
+  tile_update_t change(TileKey key, const TileDelta& delta, int content);
   void tell(const tile_update_t& update);
 
   /// What a renderer would paint that has the stores' tiles: the oracle.

@@ -119,6 +119,37 @@ TEST_CASE("a tile that comes into being is drawn without asking, where somebody 
   REQUIRE(standing.tree->cell_count(kDepth) == RenderTree(truth).cell_count(kDepth));
 }
 
+TEST_CASE("changes that a listing has overtaken are waited for, lost ones are not", "[render]") {
+  const bool lost = GENERATE(false, true);
+  TreeCache cache(1'000'000);
+  const TileKey key = key_at(1);
+  cache.take(arrived(key, 3, tile_of(1000)), 0);
+  build_all(cache, key, 0);
+  cache.hear(key, 3, 900'000);  // Nothing new.
+  REQUIRE(cache.look(key, 3, 900'000).behind_since == 0);
+  cache.hear(key, 5, 1'000'000);
+  auto standing = cache.look(key, 5, 1'050'000);
+  REQUIRE_FALSE(standing.complete);
+  REQUIRE(standing.behind_since == 1'000'000);
+  REQUIRE_FALSE(standing.must_ask);
+  cache.update(change(key, 4, hits_of(5), 7'000), true, 1'060'000);
+  build_all(cache, key, 1'060'000);
+  REQUIRE_FALSE(cache.look(key, 5, 1'070'000).complete);
+  if (lost) {
+    standing = cache.look(key, 5, 1'200'000);
+    REQUIRE(standing.must_ask);
+    REQUIRE(standing.behind_since == 1'000'000);
+    cache.take(arrived(key, 5, tile_of(1000)), 1'210'000);
+  } else {
+    cache.update(change(key, 5, hits_of(9), 8'000), true, 1'150'000);
+  }
+  build_all(cache, key, 1'210'000);
+  standing = cache.look(key, 5, 1'210'000);
+  REQUIRE(standing.complete);
+  REQUIRE(standing.behind_since == 0);
+  REQUIRE_FALSE(standing.must_ask);
+}
+
 TEST_CASE("of a tile that is not here the coarse cells are asked for first", "[render]") {
   TreeCache cache(1'000'000);
   const TileKey key = key_at(1);
@@ -220,6 +251,7 @@ TEST_CASE("whatever is lost on the way, a tile ends as the store has it", "[rend
     std::optional<BuiltTile> building;
     for (int step = 0; step < 300; ++step) {
       now += chance(2) ? 3'000'000 : 1'000;
+      if (chance(3)) cache.hear(key, version, now);
       const auto standing = cache.look(key, version, now);
       if (standing.must_ask && version > 0 && chance(30))
         answers.push_back(arrived(key, version, truth));
