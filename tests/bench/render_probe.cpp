@@ -146,19 +146,23 @@ void measure_latency(const Options& options) {
 }
 
 void measure_live(const Options& options) {
-  // A frame says until when all is shown that its renderer was told of: telling takes time too.
+  // A frame says until when all is shown that its renderer was told of: a change counts once that
+  // is after we were told of it ourselves, and a little more, should the renderer be told later.
   constexpr std::int64_t kTelling = 20'000;
+  struct Change {
+    std::int64_t durable, heard;  // utime.
+  };
   auto client = or_throw(ModelClient::connect(options.render.url));
   const Camera camera = or_throw(choose_camera(*client, options.render));
   const Grid grid = client->parameters().grid();
-  std::vector<std::int64_t> pending;  // utime of changes that are not shown yet.
+  std::vector<Change> pending;  // Those that are not shown yet.
   std::vector<double> delays;
   std::int64_t frames = 0, changed_at = 0, first_at = 0;
   const std::int64_t asked_at = utime_now();
   client->bus().subscribe<tile_update_t>(kTileUpdateChannel, [&](const tile_update_t& update) {
     const auto key = grid.tile_from_morton(static_cast<std::uint64_t>(update.tile));
     if (!key || tiles_in_view(camera, grid, std::array{*key}).empty()) return;
-    pending.push_back(update.utime);
+    pending.push_back({update.utime, utime_now()});
     changed_at = steady_utime();
   });
   auto request = request_for(*client, camera, options);
@@ -169,9 +173,9 @@ void measure_live(const Options& options) {
     const std::int64_t now = utime_now();
     const bool live = first_at > 0;  // Until then the view was being fetched, not kept live.
     if (!live && frame.shown_until >= asked_at) first_at = now;
-    std::erase_if(pending, [&](std::int64_t changed) {
-      if (frame.shown_until < changed + kTelling) return false;
-      if (live) delays.push_back(static_cast<double>(now - changed) / 1000);
+    std::erase_if(pending, [&](const Change& change) {
+      if (frame.shown_until < std::max(change.durable, change.heard) + kTelling) return false;
+      if (live) delays.push_back(static_cast<double>(now - change.durable) / 1000);
       return true;
     });
   });
