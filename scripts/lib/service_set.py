@@ -68,10 +68,15 @@ class Service:
         self.process = None
 
     def start(self, ended, stdout=None):
-        """`stdout`: where that goes, if not into the log as stderr does."""
+        """`stdout`: where that goes, if not into the log as stderr does.
+
+        In a process group of its own, so that Ctrl-C is for who started the set, but in one session
+        with the others: the kernel shares processors out among sessions first (autogroups), and a
+        service's niceness would count for nothing.
+        """
         with open(self.log_path, "ab") as log:
             self.process = start_process(self.command, self.env, ended, stdout=stdout or log,
-                                         stderr=log, start_new_session=True)
+                                         stderr=log, process_group=0)
 
     def is_running(self):
         return self.process is not None and self.process.poll() is None

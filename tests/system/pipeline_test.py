@@ -2,10 +2,13 @@
 """The main job in small: scripts/demo's own way, over a short simulated drive."""
 
 import json
+import os
 import subprocess
 import sys
 
 from support import harness
+
+from service_set import ServiceSet
 
 PNG_SIGNATURE = b"\x89PNG\r\n\x1a\n"
 
@@ -34,6 +37,22 @@ class Pipeline(harness.SystemTest):
 
     def test_two_stores_and_two_ingests_do_the_same(self):
         self.check(*self.demo("--stores", "2", "--ingest", "2"))
+
+    def test_pictures_and_the_store_come_before_ingest_and_ingest_before_compressing(self):
+        with ServiceSet(self.folder / "model") as services:
+            nice = {}
+            for service in services.services:
+                pid = service.process.pid
+                self.assertEqual(os.getsid(pid), os.getsid(0))  # Else autogroups decide.
+                self.assertEqual(os.getpgid(pid), pid)  # Ctrl-C is for who started the set.
+                for thread in os.listdir(f"/proc/{pid}/task"):
+                    nice.setdefault(service.kind, set()).add(
+                        os.getpriority(os.PRIO_PROCESS, int(thread)))
+        own = os.getpriority(os.PRIO_PROCESS, 0)
+        self.assertEqual(nice.pop("ingest"), {min(own + 7, 19)})
+        self.assertEqual(nice.pop("compress"), {19})
+        for kind, values in nice.items():
+            self.assertIn(own, values, kind)
 
 
 if __name__ == "__main__":
