@@ -56,7 +56,12 @@ auto lower_brick(auto& bricks, unsigned brick) {
 std::uint64_t CellSet::size() const {
   std::uint64_t cells = 0;
   for (const auto word : coarse) cells += static_cast<std::uint64_t>(std::popcount(word));
-  for (const auto& brick : bricks) cells += count_of(both(brick.bits, lowest_voxels(depth)));
+  if (depth == kDepth) {
+    for (const auto& brick : bricks) cells += count_of(brick.bits);
+    return cells;
+  }
+  const VoxelMask& lowest = lowest_voxels(depth);
+  for (const auto& brick : bricks) cells += count_of(both(brick.bits, lowest));
   return cells;
 }
 

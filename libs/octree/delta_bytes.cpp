@@ -145,13 +145,15 @@ bool get_colours(ByteReader& in, TileDelta& delta) {
   delta.coloured.depth = delta.hits.depth;
   if (kind == kNoHit) return in.ok();
   if (kind > kSomeHits || hits == 0) return false;
+  std::uint64_t coloured = hits;
   if (kind == kSomeHits) {
     const ByteView bits = in.get_bytes((hits + 7) / 8);
     if (!in.ok() || !get_coloured(bits, hits, delta)) return false;
+    coloured = delta.coloured.size();
   } else {
     delta.coloured = delta.hits;
   }
-  const ByteView rgb = in.get_bytes(3 * delta.coloured.size());
+  const ByteView rgb = in.get_bytes(3 * coloured);
   if (!in.ok()) return false;
   delta.colours.resize(rgb.size() / 3);
   for (std::size_t i = 0; i < delta.colours.size(); ++i) {
