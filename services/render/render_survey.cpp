@@ -179,7 +179,7 @@ bool RenderService::paint_of(Clients::iterator at, Output& out, Moment now) {
   Client& client = at->second;
   const std::int32_t port = client.view->question().reply_port;
   if (port != 0 && !config_.has_room(port, at->first)) return false;
-  if (client.surveyed != generation_ || needs_survey(client, now)) survey(client, now);
+  if (client.surveyed != generation_ && client.view->due(now.steady)) survey(client, now);
   if (!client.view) return false;  // It sees too much.
   auto shot = client.view->next(client.sight, now.steady);
   if (!shot) return false;

@@ -36,9 +36,8 @@ bool View::ready(const Sight& sight, std::int64_t now) const {
 bool View::begins(const Sight& sight, std::int64_t now) {
   if (!drawn_) return ready(sight, now);
   if (question_.path || sight.stamp == stamp_) return false;
-  const std::int64_t gap = question_.stream ? question_.gap_us : kMoreGap;
   const bool all_here_now = sight.complete && !settled_;
-  return all_here_now || now >= begun_at_ + gap;
+  return all_here_now || now >= begun_at_ + gap();
 }
 
 /// Takes the next better step; false where there is none, or the time for it has not come.
@@ -54,6 +53,10 @@ bool View::refines(const Sight& sight, bool settled) {
   held_ = sight;
   if (step_->samples > 1) mean_ = std::make_unique<Supersample>(camera_, step_->samples);
   return true;
+}
+
+bool View::due(std::int64_t now) const {
+  return !painting_ && now >= due_ && (!drawn_ || now >= begun_at_ + gap());
 }
 
 std::optional<Shot> View::next(const Sight& seen, std::int64_t now) {
@@ -144,7 +147,7 @@ std::int64_t View::next_time(std::int64_t now) const {
   may_be(due_);
   may_be(since_ + kGrace);
   may_be(now + kPatience);  // Or a little later, where tiles were still coming.
-  if (drawn_) may_be(begun_at_ + (question_.stream ? question_.gap_us : kMoreGap));
+  if (drawn_) may_be(begun_at_ + gap());
   return next;
 }
 

@@ -65,6 +65,8 @@ class View {
   /// The picture to draw now, if any; painted() must follow before the next. `sight` is of
   /// camera().
   std::optional<Shot> next(const Sight& sight, std::int64_t now);
+  /// Whether it is time for another picture, should there be more to see than in the last.
+  bool due(std::int64_t now) const;
   /// When next() may have something though nothing has come in; INT64_MAX: never.
   std::int64_t next_time(std::int64_t now) const;
 
@@ -81,6 +83,7 @@ class View {
   bool painting() const { return painting_; }
 
  private:
+  std::int64_t gap() const { return question_.stream ? question_.gap_us : kMoreGap; }
   bool patient(const Sight& sight, std::int64_t now) const;
   bool ready(const Sight& sight, std::int64_t now) const;
   bool begins(const Sight& sight, std::int64_t now);
