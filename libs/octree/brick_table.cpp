@@ -1,6 +1,7 @@
 #include "octree/brick_table.hpp"
 
 #include <algorithm>
+#include <bit>
 
 namespace voxatlas {
 
@@ -130,6 +131,18 @@ void BrickTable::compact() {
     pool_ = std::move(packed);
   }
   if (colours_.bucket_count() > 64 + 2 * colours_.size()) colours_.rehash(0);
+}
+
+BrickTable::Plane BrickTable::maybe_occupied() const {
+  Plane bricks = mixed_;
+  for (std::size_t i = 0; i < bricks.size(); ++i) {
+    for (std::uint64_t left = known_[i] & ~mixed_[i]; left != 0; left &= left - 1) {
+      const auto brick =
+          static_cast<unsigned>(64 * i) + static_cast<unsigned>(std::countr_zero(left));
+      if (is_occupied(uniform_log_odds(brick))) bricks[i] |= left & -left;
+    }
+  }
+  return bricks;
 }
 
 std::size_t BrickTable::memory_bytes() const {

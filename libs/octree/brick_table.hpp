@@ -30,6 +30,8 @@ struct BrickRange {
 ///            equal functions have equal slots.
 class BrickTable {
  public:
+  using Plane = std::array<std::uint64_t, kBricks / 64>;  ///< A bit a brick.
+
   bool is_empty(unsigned brick) const { return !bit(known_, brick); }
   bool is_mixed(unsigned brick) const { return bit(mixed_, brick); }
   bool is_uniform(unsigned brick) const { return !is_empty(brick) && !is_mixed(brick); }
@@ -59,14 +61,14 @@ class BrickTable {
   std::optional<CellState> uniform(BrickRange range) const;
 
   bool is_empty() const;
+  /// The uniform bricks that are occupied, and all mixed ones.
+  Plane maybe_occupied() const;
   void compact();  ///< Gives back unused bricks where there are many.
   std::size_t memory_bytes() const;
 
   friend bool operator==(const BrickTable& a, const BrickTable& b);
 
  private:
-  using Plane = std::array<std::uint64_t, kBricks / 64>;
-
   static bool bit(const Plane& plane, unsigned i) { return (plane[i / 64] >> i % 64 & 1) != 0; }
   static void set_bit(Plane& plane, unsigned i, bool value) {
     const std::uint64_t mask = std::uint64_t{1} << i % 64;

@@ -27,6 +27,11 @@ class OccupiedCells {
   /// Cells along the tile's edge.
   int edge() const { return edge_; }
 
+  /// A cell, no farther off than kMargin.
+  void insert(const Eigen::Vector3i& at) {
+    const auto bit = static_cast<std::size_t>(at.x() + kMargin);
+    bits_[row(at.y(), at.z()) + bit / 64] |= std::uint64_t{1} << bit % 64;
+  }
   /// A cube of cells, of which some may lie farther off.
   void insert(const Eigen::Vector3i& min, int size);
   void insert(CellKey cell) { insert(place(cell).min, place(cell).size); }

@@ -76,13 +76,24 @@ std::uint64_t negative_of(const LogOdds* layer) {
   return bits;
 }
 
+/// The lowest bit of each byte.
+constexpr std::uint64_t kLowestBits = 0x0101'0101'0101'0101;
+
+/// Of each byte that is not 0 the lowest bit.
+std::uint64_t lowest_of_bytes(std::uint64_t word) {
+  constexpr std::uint64_t kLow7 = 0x7f7f'7f7f'7f7f'7f7f;
+  return (((word & kLow7) + kLow7) | word) >> 7 & kLowestBits;
+}
+
 /// The occupied voxels of a mixed brick in Morton order, in which every cell of it is a run.
 struct MortonVoxels {
   std::array<std::uint64_t, 8> occupied{};
-  std::array<LogOdds, kBrickVoxels> log_odds;  // Only of those that are occupied,
-  std::array<Colour, kBrickVoxels> colours;    // and these where the brick has any.
+  std::array<LogOdds, kBrickVoxels> log_odds;  // Only of those that are occupied.
+  std::array<const Colour*, kBrickVoxels>
+      colours;  // Not colours: those would be set to none first.
 
   MortonVoxels(const Brick& brick, const BrickColours* own) {
+    static constexpr Colour kNone;
     for (unsigned z = 0; z < 8; ++z) {
       std::uint64_t left = brick.known[z] & ~negative_of(brick.log_odds.data() + 64 * z);
       for (; left != 0; left &= left - 1) {
@@ -90,12 +101,12 @@ struct MortonVoxels {
         const unsigned at = kMortonOfVoxel[voxel];
         occupied[at / 64] |= std::uint64_t{1} << at % 64;
         log_odds[at] = brick.log_odds[voxel];
-        colours[at] = {};
+        colours[at] = &kNone;
       }
     }
     if (own == nullptr) return;
     own->for_each(
-        [&](unsigned voxel, const Colour& colour) { colours[kMortonOfVoxel[voxel]] = colour; });
+        [&](unsigned voxel, const Colour& colour) { colours[kMortonOfVoxel[voxel]] = &colour; });
   }
 };
 
@@ -103,7 +114,8 @@ struct MortonVoxels {
 /// taken back.
 class Collector {
  public:
-  Collector(const BrickTable& table, int max_depth) : table_(table), max_depth_(max_depth) {}
+  Collector(const BrickTable& table, int max_depth)
+      : table_(table), max_depth_(max_depth), bricks_(table.maybe_occupied()) {}
 
   Sum visit(CellKey cell);
   Nodes take() { return std::move(nodes_); }
@@ -122,8 +134,20 @@ class Collector {
     nodes.resize(nodes.size() - 8);
   }
 
+  /// Whether any brick of a cell of depth 0..4 is to be looked at.
+  bool any(CellKey cell) const {
+    const BrickRange range = BrickRange::of(cell);
+    if (range.count <= 64) {
+      const std::uint64_t of_it = ~std::uint64_t{0} >> (64 - range.count);
+      return (bricks_[range.first / 64] >> range.first % 64 & of_it) != 0;
+    }
+    const auto first = bricks_.begin() + range.first / 64;
+    return std::any_of(first, first + range.count / 64, [](auto word) { return word != 0; });
+  }
+
   const BrickTable& table_;
   const int max_depth_;
+  const BrickTable::Plane bricks_;
   Nodes nodes_;
 };
 
@@ -131,10 +155,14 @@ class Collector {
 Sum Collector::visit(CellKey cell) {
   if (cell.depth == kBrickDepth) return brick(cell.code);
   Sum sum;
+  unsigned occupied = 0;  // How many children.
   for (std::uint32_t octant = 0; octant < 8; ++octant) {
-    sum.add(visit(cell.child(octant)), octant == 0);
+    if (!any(cell.child(octant))) continue;
+    const Sum child = visit(cell.child(octant));
+    if (child.occupied()) sum.add(child, occupied++ == 0);
   }
   if (!sum.occupied()) return sum;
+  sum.uniform = sum.uniform && occupied == 8;
   if (sum.uniform) take_back(cell.depth + 1);
   add(cell.depth, cell.code, sum);
   return sum;
@@ -142,15 +170,13 @@ Sum Collector::visit(CellKey cell) {
 
 Sum Collector::brick(std::uint32_t code) {
   Sum sum;
-  if (table_.is_empty(code)) return sum;
   if (table_.is_uniform(code)) {
-    const CellState state = table_.uniform_state(code);
-    if (!is_occupied(state.log_odds)) return sum;
-    sum = Sum::of(state, kBrickVoxels);
+    sum = Sum::of(table_.uniform_state(code), kBrickVoxels);
   } else {
     const MortonVoxels voxels(table_.mixed(code), table_.colours(code));
     for (std::uint32_t word = 0; word < 8; ++word) {
-      sum.add(cell_of_64(voxels, word, code), word == 0);
+      if (voxels.occupied[word] == 0) continue;
+      sum.add(cell_of_64(voxels, word, code), !sum.occupied());
     }
     if (!sum.occupied()) return sum;
     sum.uniform = false;  // It would be no mixed brick.
@@ -159,12 +185,15 @@ Sum Collector::brick(std::uint32_t code) {
   return sum;
 }
 
+/// One that has something occupied, as the next.
 Sum Collector::cell_of_64(const MortonVoxels& voxels, std::uint32_t word, std::uint32_t brick) {
   Sum sum;
-  if (voxels.occupied[word] == 0) return sum;
-  for (std::uint32_t i = 0; i < 8; ++i) {
-    sum.add(cell_of_8(voxels, word * 8 + i, brick), i == 0);
+  const std::uint64_t bytes = lowest_of_bytes(voxels.occupied[word]);
+  for (std::uint64_t left = bytes; left != 0; left &= left - 1) {
+    const std::uint32_t i = static_cast<std::uint32_t>(std::countr_zero(left)) / 8;
+    sum.add(cell_of_8(voxels, word * 8 + i, brick), !sum.occupied());
   }
+  sum.uniform = sum.uniform && bytes == kLowestBits;
   if (sum.uniform) take_back(kBrickDepth + 2);
   add(kBrickDepth + 1, brick << 3 | word, sum);
   return sum;
@@ -173,11 +202,10 @@ Sum Collector::cell_of_64(const MortonVoxels& voxels, std::uint32_t word, std::u
 Sum Collector::cell_of_8(const MortonVoxels& voxels, std::uint32_t byte, std::uint32_t brick) {
   Sum sum;
   const std::uint64_t bits = voxels.occupied[byte / 8] >> byte % 8 * 8 & 0xff;
-  if (bits == 0) return sum;
   bool first = true;
   for (std::uint64_t left = bits; left != 0; left &= left - 1) {
     const std::uint32_t at = byte * 8 + static_cast<std::uint32_t>(std::countr_zero(left));
-    const CellState state{voxels.log_odds[at], voxels.colours[at]};
+    const CellState state{voxels.log_odds[at], *voxels.colours[at]};
     sum.add_voxel(state, std::exchange(first, false));
     if (max_depth_ == kDepth) nodes_[kDepth].push_back({brick << 9 | at, state});
   }

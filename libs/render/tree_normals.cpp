@@ -25,7 +25,7 @@ std::vector<OccupiedCells> occupied_around(const TreesAround& around, const Cell
   for (int depth = 0; depth <= deepest; ++depth) cells.emplace_back(depth);
   const auto insert = [&](const RenderTree& tree, const WalkedNode& node) {
     if (wanted.need(node.at, node.depth)) {
-      cells[static_cast<std::size_t>(node.depth)].insert(node.at, 1);
+      cells[static_cast<std::size_t>(node.depth)].insert(node.at);
     }
     if (node.children.octants != 0 || node.depth == tree.max_depth()) return;
     for (int below = node.depth + 1; below <= deepest; ++below) {

@@ -35,7 +35,7 @@ class CellsWanted {
   explicit CellsWanted(bool at_faces) : at_faces_(at_faces) {}
 
   class Comparison;
-  static constexpr int kBlockDepth = 3;
+  static constexpr int kBlockDepth = 4;
   using Blocks = std::bitset<std::size_t{1} << 3 * kBlockDepth>;
   static std::size_t block_of(const Eigen::Vector3i& at, int depth);
 

@@ -29,5 +29,23 @@ TEST_CASE("a range made uniform is its bricks made so, one by one", "[octree][or
   }
 }
 
+TEST_CASE("bricks that may be occupied are the mixed ones and the uniform ones that are",
+          "[octree][oracle]") {
+  INFO("VOX_SEED=" << test::seed());
+  test::RandomOctree random(test::seed());
+  for (int i = 0; i < 100; ++i) {
+    TileTree tree;
+    for (auto count = random.below(20); count > 0; --count) tree.set(random.cell(), random.state());
+    if (tree.empty()) continue;
+    const BrickTable& table = *tree.bricks();
+    const auto bricks = table.maybe_occupied();
+    for (unsigned brick = 0; brick < kBricks; ++brick) {
+      const bool expected = table.is_mixed(brick) ||
+                            (table.is_uniform(brick) && is_occupied(table.uniform_log_odds(brick)));
+      REQUIRE(((bricks[brick / 64] >> brick % 64 & 1) != 0) == expected);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace voxatlas
