@@ -171,6 +171,10 @@ Status PublishRun::check_silence(std::int64_t now) const {
 void PublishRun::print_summary() const {
   const double seconds = static_cast<double>(ended_ - began_) / 1e6;
   const auto durable = resumed_at_ + static_cast<std::int64_t>(publisher_->durable());
+  const auto [delays, most_delay] = publisher_->delay();
+  const double scans = static_cast<double>(std::max<std::uint64_t>(publisher_->durable(), 1));
+  const double mean_ms = static_cast<double>(delays) / 1000 / scans;
+  const double most_ms = static_cast<double>(most_delay) / 1000;
   if (options_.json) {
     JsonObject json;
     json.add("source", next_.source)
@@ -181,12 +185,17 @@ void PublishRun::print_summary() const {
         .add("rays", static_cast<std::int64_t>(rays_))
         .add("seconds", seconds)
         .add("chunks_resent", static_cast<std::int64_t>(publisher_->chunks_resent()))
-        .add("moved", static_cast<std::int64_t>(publisher_->moved()));
+        .add("moved", static_cast<std::int64_t>(publisher_->moved()))
+        .add("durable_after_ms_mean", mean_ms)
+        .add("durable_after_ms_most", most_ms);
     fmt::print("{}\n", json.text());
   } else {
-    fmt::print("{} of {} scans of {} durable; {} rays in {:.2f} s, {:.2f} M rays/s\n", durable,
-               input_.scans, next_.source, rays_, seconds,
-               static_cast<double>(rays_) / 1e6 / std::max(seconds, 1e-6));
+    fmt::print(
+        "{} of {} scans of {} durable; {} rays in {:.2f} s, {:.2f} M rays/s; a scan after {:.0f} "
+        "ms on "
+        "average, {:.0f} ms at most\n",
+        durable, input_.scans, next_.source, rays_, seconds,
+        static_cast<double>(rays_) / 1e6 / std::max(seconds, 1e-6), mean_ms, most_ms);
   }
 }
 

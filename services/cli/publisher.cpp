@@ -81,15 +81,16 @@ Publisher::Ingest* Publisher::least_loaded(std::int64_t now) {
   return best;
 }
 
-void Publisher::give(Ingest& ingest, std::int64_t seq, Bytes scan) {
+void Publisher::give(Ingest& ingest, Homeless scan) {
   ingest.last_turn = ++turns_;
   ingest.unacknowledged.push_back(
-      {ingest.link->producer().offer(MessageKind::kScan, std::move(scan)), seq});
+      {ingest.link->producer().offer(MessageKind::kScan, std::move(scan.scan)), scan.seq,
+       scan.published_at});
 }
 
 void Publisher::publish(const scan_t& scan, std::int64_t now) {
   VOX_CHECK(has_room(now));
-  give(*least_loaded(now), scan.seq, encode_message(scan));
+  give(*least_loaded(now), {scan.seq, now, encode_message(scan)});
   next_seq_ = scan.seq + 1;
 }
 
@@ -119,7 +120,8 @@ Status Publisher::leave_the_gone(std::int64_t now) {
     auto scans = ingest.link->producer().uncommitted();
     VOX_CHECK(scans.size() == ingest.unacknowledged.size());
     for (std::size_t i = 0; i < scans.size(); ++i) {
-      homeless_.emplace_back(ingest.unacknowledged[i].seq, std::move(scans[i]));
+      const InFlight& scan = ingest.unacknowledged[i];
+      homeless_.push_back({scan.seq, scan.published_at, std::move(scans[i])});
     }
     ingest.unacknowledged.clear();
     if (auto added = add(index, 0); !added) return added;
@@ -130,7 +132,7 @@ Status Publisher::leave_the_gone(std::int64_t now) {
 void Publisher::settle_homeless(std::int64_t now) {
   for (Ingest* ingest = least_loaded(now); ingest != nullptr && !homeless_.empty();
        ingest = least_loaded(now)) {
-    give(*ingest, homeless_.front().first, std::move(homeless_.front().second));
+    give(*ingest, std::move(homeless_.front()));
     homeless_.pop_front();
   }
 }
@@ -141,6 +143,8 @@ Status Publisher::pump(std::int64_t now) {
     if (auto pumped = ingest.link->pump(now); !pumped) return pumped;
     const auto committed = ingest.link->producer().committed_messages();
     while (!ingest.unacknowledged.empty() && ingest.unacknowledged.front().number < committed) {
+      const std::int64_t took = now - ingest.unacknowledged.front().published_at;
+      delay_ = {delay_.sum + took, std::max(delay_.most, took)};
       ingest.unacknowledged.pop_front();
       ++durable_;
     }
@@ -160,7 +164,7 @@ std::int64_t Publisher::next_poll(std::int64_t now) const {
 
 std::int64_t Publisher::durable_below() const {
   auto below = next_seq_;
-  for (const auto& [seq, scan] : homeless_) below = std::min(below, seq);
+  for (const auto& scan : homeless_) below = std::min(below, scan.seq);
   for (const auto& [index, ingest] : ingests_) {
     for (const auto& scan : ingest.unacknowledged) below = std::min(below, scan.seq);
   }

@@ -45,6 +45,11 @@ class Publisher {
   std::size_t in_flight() const;
   std::int64_t durable_below() const;                 ///< Every scan with a lower seq is durable.
   std::uint64_t durable() const { return durable_; }  ///< Scans of this run.
+  /// How long after publish() they were known to be durable; microseconds.
+  struct Delay {
+    std::int64_t sum = 0, most = 0;
+  };
+  const Delay& delay() const { return delay_; }
   /// When any ingest was last heard of, steady microseconds; 0: never.
   std::int64_t last_heard() const;
   std::uint64_t chunks_resent() const;
@@ -54,6 +59,11 @@ class Publisher {
   struct InFlight {
     std::int64_t number = 0;  ///< Of the message in its ingest's stream,
     std::int64_t seq = 0;     ///< of the scan in its source.
+    std::int64_t published_at = 0;
+  };
+  struct Homeless {
+    std::int64_t seq = 0, published_at = 0;
+    Bytes scan;
   };
   struct Ingest {
     std::unique_ptr<OutLink> link;
@@ -72,17 +82,17 @@ class Publisher {
   Status leave_the_gone(std::int64_t now);
   void settle_homeless(std::int64_t now);
   Ingest* least_loaded(std::int64_t now);
-  void give(Ingest& ingest, std::int64_t seq, Bytes scan);
+  void give(Ingest& ingest, Homeless scan);
 
   Bus& bus_;
   Bus::Subscription statuses_ = 0;
   std::map<std::int32_t, Ingest> ingests_;
   std::vector<std::int32_t> ready_;  ///< Ingests heard of since the last pump().
-  std::deque<std::pair<std::int64_t, Bytes>>
-      homeless_;               ///< Scans, by seq, of ingests that went; not given to others yet.
-  std::int64_t next_seq_ = 0;  ///< After the last one published.
-  std::uint64_t turns_ = 0;    ///< Scans given to ingests.
+  std::deque<Homeless> homeless_;    ///< Scans of ingests that went, not given to others yet.
+  std::int64_t next_seq_ = 0;        ///< After the last one published.
+  std::uint64_t turns_ = 0;          ///< Scans given to ingests.
   std::uint64_t durable_ = 0, moved_ = 0, resent_by_gone_ = 0;
+  Delay delay_;
 };
 
 }  // namespace voxatlas

@@ -44,11 +44,17 @@ def service_lines():
             drives.repeat(drive, "poses.txt", again, PASSES)
             for name, folder, pace in ((f"live_{SENSOR_HZ}hz_", drive, ["--hz", SENSOR_HZ]),
                                        ("live_", again, [])):
-                importing = services.begin("publish", folder, "--poses", "poses.txt", "--source", name, *pace,
-                                           stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-                shown = run(services, "render_probe", "--view", "street", "--budget", 40, "live")
-                services.wait_for(importing)
+                with tempfile.TemporaryFile("w+") as out:
+                    importing = services.begin("publish", folder, "--poses", "poses.txt", "--source", name,
+                                               "--json", *pace, stdout=out, stderr=subprocess.DEVNULL)
+                    shown = run(services, "render_probe", "--view", "street", "--budget", 40, "live")
+                    services.wait_for(importing)
+                    out.seek(0)
+                    published = json.load(out)
                 yield from (name + line.removeprefix("live_") for line in shown.splitlines())
+                yield f"{name}scans_per_s {published['scans'] / published['seconds']:.4g} scans/s"
+                for which in ("mean", "most"):
+                    yield f"{name}durable_{which}_ms {published[f'durable_after_ms_{which}']:.4g} ms"
 
 
 def main(arguments):

@@ -78,6 +78,29 @@ TEST_CASE("scans go to whichever ingest keeps up, and each to one", "[cli]") {
   REQUIRE(*all.rbegin() == kScans - 1);
 }
 
+TEST_CASE("a publisher knows how long its scans took to be durable", "[cli]") {
+  auto bus = Bus::create("memq://").value();
+  Ingest ingest(*bus, 0, 1);
+  std::int64_t now = steady_utime();
+  auto publisher = Publisher::create(*bus, 1, now).value();
+  const auto end = steady_utime() + kPatienceUs;
+  std::uint64_t scans = 0;
+  for (const std::int64_t took : {20'000, 5'000}) {
+    publisher->publish(numbered(took), now);
+    REQUIRE(publisher->pump(now).has_value());
+    now += took;
+    for (++scans; publisher->durable() < scans && steady_utime() < end;) {
+      REQUIRE(bus->handle_waiting().has_value());
+      ingest.turn(0);
+      REQUIRE(bus->handle_waiting().has_value());
+      REQUIRE(publisher->pump(now).has_value());
+    }
+  }
+  REQUIRE(publisher->durable() == 2);
+  REQUIRE(publisher->delay().sum == 25'000);
+  REQUIRE(publisher->delay().most == 20'000);
+}
+
 TEST_CASE("ingests that are equally idle take turns", "[cli]") {
   constexpr std::int64_t kScans = 20;
   auto bus = Bus::create("memq://").value();
