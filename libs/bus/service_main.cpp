@@ -1,7 +1,10 @@
 #include "bus/service_main.hpp"
 
 #include <malloc.h>
+#include <unistd.h>
 
+#include <cerrno>
+#include <cstring>
 #include <exception>
 
 #include "base/log.hpp"
@@ -14,8 +17,13 @@ void keep_freed_memory() {
   ::mallopt(M_TRIM_THRESHOLD, 64 << 20);
 }
 
-int run_service(const std::string& log_name, const std::function<Status()>& serve) {
+int run_service(const std::string& log_name, Precedence precedence,
+                const std::function<Status()>& serve) {
   set_log_name(log_name);
+  errno = 0;  // -1 may be a niceness.
+  if (::nice(static_cast<int>(precedence)) == -1 && errno != 0) {
+    log_warning("could not lower the own priority: {}", std::strerror(errno));
+  }
   keep_freed_memory();
   stop_on_signals();
   try {

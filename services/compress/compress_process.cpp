@@ -1,7 +1,6 @@
 #include "compress/compress_process.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <deque>
@@ -171,8 +170,6 @@ StatusCounters CompressProcess::counters() const {
 }  // namespace
 
 Status serve_compress(const CompressOptions& options) {
-  constexpr int kPoliteness = 19;  // Import and pictures come first.
-  if (nice(kPoliteness) == -1) log_warning("could not lower the own priority");
   CompressProcess process(options);
   if (auto started = process.start(); !started) return started;
   return process.run();

@@ -27,6 +27,7 @@ int main(int argc, char** argv) {
   voxatlas::declare(app, options);
   CLI11_PARSE(app, argc, argv);
   return voxatlas::run_service(fmt::format("compress[{}]", options.index),
+                               voxatlas::Precedence::kCompress,
                                [&] { return voxatlas::serve_compress(options); });
 }
 

@@ -40,7 +40,8 @@ int main(int argc, char** argv) {
   voxatlas::declare(app, options);
   CLI11_PARSE(app, argc, argv);
   if (!options.probe.empty()) return voxatlas::probe(options.probe);
-  return voxatlas::run_service("hub", [&] { return voxatlas::serve(options); });
+  return voxatlas::run_service("hub", voxatlas::Precedence::kFirst,
+                               [&] { return voxatlas::serve(options); });
 }
 
 namespace voxatlas {

@@ -1,7 +1,6 @@
 #include "ingest/ingest_process.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <deque>
@@ -183,8 +182,6 @@ StatusCounters IngestProcess::counters() const {
 }  // namespace
 
 Status serve_ingest(const IngestOptions& options) {
-  constexpr int kPoliteness = 7;  // The store and pictures come first, compressors (19) last.
-  if (nice(kPoliteness) == -1) log_warning("could not lower the own priority");
   IngestProcess process(options);
   if (auto started = process.start(); !started) return stop_requested() ? Status{} : started;
   return process.run();

@@ -28,6 +28,7 @@ int main(int argc, char** argv) {
   voxatlas::declare(app, options);
   CLI11_PARSE(app, argc, argv);
   return voxatlas::run_service(fmt::format("ingest[{}]", options.index),
+                               voxatlas::Precedence::kIngest,
                                [&] { return voxatlas::serve_ingest(options); });
 }
 

@@ -30,6 +30,7 @@ int main(int argc, char** argv) {
   voxatlas::declare(app, options);
   CLI11_PARSE(app, argc, argv);
   return voxatlas::run_service(fmt::format("render[{}]", options.index),
+                               voxatlas::Precedence::kFirst,
                                [&] { return voxatlas::serve_render(options); });
 }
 

@@ -30,6 +30,7 @@ int main(int argc, char** argv) {
   voxatlas::declare(app, options);
   CLI11_PARSE(app, argc, argv);
   return voxatlas::run_service(fmt::format("tilestore[{}]", options.shard),
+                               voxatlas::Precedence::kStore,
                                [&] { return voxatlas::serve_tilestore(options); });
 }
 

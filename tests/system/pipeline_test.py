@@ -38,7 +38,7 @@ class Pipeline(harness.SystemTest):
     def test_two_stores_and_two_ingests_do_the_same(self):
         self.check(*self.demo("--stores", "2", "--ingest", "2"))
 
-    def test_pictures_and_the_store_come_before_ingest_and_ingest_before_compressing(self):
+    def test_pictures_come_before_the_store_that_before_ingest_and_compressing_is_last(self):
         with ServiceSet(self.folder / "model") as services:
             nice = {}
             for service in services.services:
@@ -49,10 +49,8 @@ class Pipeline(harness.SystemTest):
                     nice.setdefault(service.kind, set()).add(
                         os.getpriority(os.PRIO_PROCESS, int(thread)))
         own = os.getpriority(os.PRIO_PROCESS, 0)
-        self.assertEqual(nice.pop("ingest"), {min(own + 7, 19)})
-        self.assertEqual(nice.pop("compress"), {19})
-        for kind, values in nice.items():
-            self.assertIn(own, values, kind)
+        for kind, lower in (("render", 0), ("tilestore", 4), ("ingest", 7), ("compress", 19)):
+            self.assertEqual(nice[kind], {min(own + lower, 19)}, kind)
 
 
 if __name__ == "__main__":
