@@ -8,6 +8,7 @@ are imported, from a change that is durable to the frame that shows it: at a sen
 as they can be.
 """
 
+import contextlib
 import json
 import pathlib
 import subprocess
@@ -34,27 +35,37 @@ def run(services, program, *arguments, **options):
 
 def service_lines():
     with tempfile.TemporaryDirectory(prefix="voxatlas-bench-") as place:
-        drive = pathlib.Path(place) / "drive"
+        drive, again = pathlib.Path(place) / "drive", pathlib.Path(place) / "again"
         subprocess.run([default_bin_dir() / "voxatlas", "simulate", str(MORE_SCANS), "--out", drive],
                        check=True, stdin=subprocess.DEVNULL, capture_output=True)
-        with ServiceSet(pathlib.Path(place)) as services:
-            services.run("publish", "--simulate", SCANS, quiet=True)
+        drives.repeat(drive, "poses.txt", again, PASSES)
+        with set_with_a_street(pathlib.Path(place) / "latency") as services:
             yield from run(services, "render_probe", "--view", "street", "latency").splitlines()
-            again = pathlib.Path(place) / "again"
-            drives.repeat(drive, "poses.txt", again, PASSES)
-            for name, folder, pace in ((f"live_{SENSOR_HZ}hz_", drive, ["--hz", SENSOR_HZ]),
-                                       ("live_", again, [])):
-                with tempfile.TemporaryFile("w+") as out:
-                    importing = services.begin("publish", folder, "--poses", "poses.txt", "--source", name,
-                                               "--json", *pace, stdout=out, stderr=subprocess.DEVNULL)
-                    shown = run(services, "render_probe", "--view", "street", "--budget", 40, "live")
-                    services.wait_for(importing)
-                    out.seek(0)
-                    published = json.load(out)
-                yield from (name + line.removeprefix("live_") for line in shown.splitlines())
-                yield f"{name}scans_per_s {published['scans'] / published['seconds']:.4g} scans/s"
-                for which in ("mean", "most"):
-                    yield f"{name}durable_{which}_ms {published[f'durable_after_ms_{which}']:.4g} ms"
+        for name, folder, pace in ((f"live_{SENSOR_HZ}hz_", drive, ["--hz", SENSOR_HZ]),
+                                   ("live_", again, [])):
+            with set_with_a_street(pathlib.Path(place) / name) as services:
+                yield from live_lines(services, name, folder, pace)
+
+
+@contextlib.contextmanager
+def set_with_a_street(place):
+    with ServiceSet(place) as services:
+        services.run("publish", "--simulate", SCANS, quiet=True)
+        yield services
+
+
+def live_lines(services, name, folder, pace):
+    with tempfile.TemporaryFile("w+") as out:
+        importing = services.begin("publish", folder, "--poses", "poses.txt", "--source", name,
+                                   "--json", *pace, stdout=out, stderr=subprocess.DEVNULL)
+        shown = run(services, "render_probe", "--view", "street", "--budget", 40, "live")
+        services.wait_for(importing)
+        out.seek(0)
+        published = json.load(out)
+    yield from (name + line.removeprefix("live_") for line in shown.splitlines())
+    yield f"{name}scans_per_s {published['scans'] / published['seconds']:.4g} scans/s"
+    for which in ("mean", "most"):
+        yield f"{name}durable_{which}_ms {published[f'durable_after_ms_{which}']:.4g} ms"
 
 
 def main(arguments):
