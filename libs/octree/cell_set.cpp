@@ -56,12 +56,9 @@ auto lower_brick(auto& bricks, unsigned brick) {
 std::uint64_t CellSet::size() const {
   std::uint64_t cells = 0;
   for (const auto word : coarse) cells += static_cast<std::uint64_t>(std::popcount(word));
-  if (depth == kDepth) {
-    for (const auto& brick : bricks) cells += count_of(brick.bits);
-    return cells;
+  for (const auto& brick : bricks) {
+    cells += count_of(depth == kDepth ? brick.bits : both(brick.bits, lowest_voxels(depth)));
   }
-  const VoxelMask& lowest = lowest_voxels(depth);
-  for (const auto& brick : bricks) cells += count_of(both(brick.bits, lowest));
   return cells;
 }
 
