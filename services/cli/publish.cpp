@@ -190,12 +190,13 @@ void PublishRun::print_summary() const {
         .add("durable_after_ms_most", most_ms);
     fmt::print("{}\n", json.text());
   } else {
-    fmt::print(
-        "{} of {} scans of {} durable; {} rays in {:.2f} s, {:.2f} M rays/s; a scan after {:.0f} "
-        "ms on "
-        "average, {:.0f} ms at most\n",
-        durable, input_.scans, next_.source, rays_, seconds,
-        static_cast<double>(rays_) / 1e6 / std::max(seconds, 1e-6), mean_ms, most_ms);
+    fmt::print("{} of {} scans of {} durable; {} rays in {:.2f} s, {:.2f} M rays/s", durable,
+               input_.scans, next_.source, rays_, seconds,
+               static_cast<double>(rays_) / 1e6 / std::max(seconds, 1e-6));
+    if (publisher_->durable() > 0) {
+      fmt::print("; a scan after {:.0f} ms on average, {:.0f} ms at most", mean_ms, most_ms);
+    }
+    fmt::print("\n");
   }
 }
 
