@@ -1,5 +1,7 @@
 #include "compress/machine_load.hpp"
 
+#include <sys/times.h>
+
 #include <array>
 #include <charconv>
 #include <fstream>
@@ -22,8 +24,21 @@ std::optional<ProcessorTicks> parse_processor_ticks(std::string_view proc_stat) 
   }
   ProcessorTicks sum;
   for (const auto value : ticks) sum.all += value;
-  sum.busy = sum.all - ticks[1] - ticks[3] - ticks[4];
+  sum.busy = sum.all - ticks[3] - ticks[4];
   return sum;
+}
+
+double load_between(const ProcessorTicks& before, const ProcessorTicks& after, std::uint64_t own) {
+  if (after.all <= before.all || after.busy < before.busy + own) return 0;
+  return static_cast<double>(after.busy - before.busy - own) /
+         static_cast<double>(after.all - before.all);
+}
+
+/// Ticks that this process's threads took.
+static std::uint64_t own_ticks() {
+  tms own{};
+  ::times(&own);
+  return static_cast<std::uint64_t>(own.tms_utime + own.tms_stime);
 }
 
 double MachineLoad::now(std::int64_t steady_us) {
@@ -34,11 +49,9 @@ double MachineLoad::now(std::int64_t steady_us) {
   std::ifstream stat("/proc/stat");
   std::getline(stat, line);
   const auto ticks = parse_processor_ticks(line);
-  load_ = 0;
-  if (ticks && before_ && ticks->all > before_->all && ticks->busy >= before_->busy) {
-    load_ = static_cast<double>(ticks->busy - before_->busy) /
-            static_cast<double>(ticks->all - before_->all);
-  }
+  const std::uint64_t own = own_ticks();
+  load_ = ticks && before_ ? load_between(*before_, *ticks, own - own_before_) : 0;
+  own_before_ = own;
   before_ = ticks;
   return load_;
 }

@@ -52,9 +52,10 @@ static void declare(CLI::App& app, CompressOptions& options) {
       },
       "lossless, or lossy:B with B bits a log-odds, 1 to 16: a new version of each tile "
       "[lossless]");
-  app.add_option("--max-load", options.max_load,
-                 "share of all processors, 0 to 1: while work of ordinary priority takes more, "
-                 "tiles wait, each at most a quarter of a second")
+  app.add_option(
+         "--max-load", options.max_load,
+         "share of all processors, 0 to 1: while everybody else takes more, tiles wait, each "
+         "at most a quarter of a second")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
   app.add_flag_callback("--log-json", log_as_json, "log each event as one JSON object");

@@ -5,12 +5,21 @@
 namespace voxatlas {
 namespace {
 
-TEST_CASE("what runs at a lowered priority, waits or rests is not busy", "[compress]") {
+TEST_CASE("what waits or rests is not busy, what runs at a lowered priority is", "[compress]") {
   //                                             user nice sys idle iowait irq softirq steal
   const auto ticks = parse_processor_ticks("cpu  100  20   30 400  50     6   7       8 9 10");
   REQUIRE(ticks.has_value());
-  CHECK(ticks->busy == 100 + 30 + 6 + 7 + 8);
+  CHECK(ticks->busy == 100 + 20 + 30 + 6 + 7 + 8);
   CHECK(ticks->all == 100 + 20 + 30 + 400 + 50 + 6 + 7 + 8);
+}
+
+TEST_CASE("load is what others keep busy", "[compress]") {
+  const ProcessorTicks before{1000, 5000}, after{1150, 5200};
+  CHECK(load_between(before, after, 0) == 0.75);
+  CHECK(load_between(before, after, 50) == 0.5);
+  CHECK(load_between(before, after, 151) == 0);  // Clocks that do not agree,
+  CHECK(load_between(after, before, 0) == 0);    // go back,
+  CHECK(load_between(after, after, 0) == 0);     // or stand.
 }
 
 TEST_CASE("what is no /proc/stat is not read as one", "[compress]") {
