@@ -198,6 +198,7 @@ void measure_live(const Options& options) {
     return now + 50'000;
   };
   check(loop.run());
+  if (first_at == 0) throw std::runtime_error("no frame shows all that was there at its beginning");
   print("live_changes", static_cast<double>(delays.size()), "tiles");
   print("live_never_shown", static_cast<double>(pending.size()), "tiles");
   print("live_first_ms", static_cast<double>(first_at - asked_at) / 1000, "ms");
