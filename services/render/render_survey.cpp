@@ -10,7 +10,7 @@
 namespace voxatlas {
 namespace {
 
-constexpr std::int64_t kSurveyGap = 3'000;  // For fetching; before a picture it is always done.
+constexpr std::int64_t kSurveyGap = 3'000;       // So old may be what a picture shows.
 constexpr std::int64_t kSurveyAnyway = 250'000;  // Listings grow old though nothing comes in.
 constexpr std::int64_t kTick = 50'000;
 /// What a stream shows of a tile gets normals across borders once nothing around has changed for so
@@ -179,8 +179,6 @@ bool RenderService::paint_of(Clients::iterator at, Output& out, Moment now) {
   Client& client = at->second;
   const std::int32_t port = client.view->question().reply_port;
   if (port != 0 && !config_.has_room(port, at->first)) return false;
-  if (client.surveyed != generation_ && client.view->due(now.steady)) survey(client, now);
-  if (!client.view) return false;  // It sees too much.
   auto shot = client.view->next(client.sight, now.steady);
   if (!shot) return false;
   out.paint = std::move(shot->job);

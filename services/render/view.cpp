@@ -55,10 +55,6 @@ bool View::refines(const Sight& sight, bool settled) {
   return true;
 }
 
-bool View::due(std::int64_t now) const {
-  return !painting_ && now >= due_ && (!drawn_ || now >= begun_at_ + gap());
-}
-
 std::optional<Shot> View::next(const Sight& seen, std::int64_t now) {
   if (painting_ || over_ || now < due_) return std::nullopt;
   const Sight sight = held_ && !question_.stream ? *held_ : seen;

@@ -65,8 +65,6 @@ class View {
   /// The picture to draw now, if any; painted() must follow before the next. `sight` is of
   /// camera().
   std::optional<Shot> next(const Sight& sight, std::int64_t now);
-  /// Whether it is time for another picture, should there be more to see than in the last.
-  bool due(std::int64_t now) const;
   /// When next() may have something though nothing has come in; INT64_MAX: never.
   std::int64_t next_time(std::int64_t now) const;
 
