@@ -74,6 +74,9 @@ SplatFrame::SplatFrame(const Camera& camera, const Grid& grid)
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto i = static_cast<Eigen::Index>(axis);
     in_voxel[axis] = static_cast<float>(within[i]);
+    const auto all_rays = static_cast<float>(ray[axis]);
+    map_inverse[axis] =
+        1 / (std::abs(all_rays) < kTinyRay ? std::copysign(kTinyRay, all_rays) : all_rays);
     for (std::size_t row = 0; row < 3; ++row) {
       project[row][axis] = static_cast<float>(projection(static_cast<Eigen::Index>(row), i));
     }
@@ -123,59 +126,13 @@ PixelRect SplatFrame::tightened(const std::array<std::int32_t, 3>& corner, int e
           std::min(rect.yb, yb)};
 }
 
-/// A ray is taken from the middle of its block, in double, and a few small steps: so that one that
-/// is all but parallel to a face keeps its digits.
-void SplatStrip::invert_rays(const SplatFrame& frame, std::size_t axis) {
-  constexpr float kTiny = 1e-30f;  // Along a face: still finite, so that 0 times it is 0.
-  const auto dx = static_cast<float>(frame.ray_dx[axis]);
-  const auto dy = static_cast<float>(frame.ray_dy[axis]);
-  std::array<float, 8> steps{};
-  for (std::size_t i = 0; i < 8; ++i) steps[i] = (static_cast<float>(i) - 3.5f) * dx;
-  float* out = inverse[axis].data();
-  for (int by = 0; by < coverage.blocks_y(); ++by) {
-    for (int bx = 0; bx < coverage.blocks_x(); ++bx) {
-      const auto middle =
-          static_cast<float>(frame.ray[axis] + (x0 + bx * 8 + 4) * frame.ray_dx[axis] +
-                             (by * 8 + 4) * frame.ray_dy[axis]);
-      for (int row = 0; row < 8; ++row, out += 8) {
-        const float left = middle + (static_cast<float>(row) - 3.5f) * dy;
-        for (std::size_t i = 0; i < 8; ++i) {
-          const float ray = left + steps[i];
-          out[i] = 1.0f / (std::abs(ray) < kTiny ? std::copysign(kTiny, ray) : ray);
-        }
-      }
-    }
-  }
-}
-
-/// Of a map: where the rays start, in the plane through the eye across them.
-void SplatStrip::place_starts(const SplatFrame& frame, std::size_t axis) {
-  float* out = start[axis].data();
-  for (int by = 0; by < coverage.blocks_y(); ++by) {
-    for (int bx = 0; bx < coverage.blocks_x(); ++bx) {
-      for (int pixel = 0; pixel < 64; ++pixel) {
-        *out++ = static_cast<float>(frame.start[axis] +
-                                    (x0 + bx * 8 + pixel % 8 + 0.5) * frame.start_dx[axis] +
-                                    (by * 8 + pixel / 8 + 0.5) * frame.start_dy[axis]);
-      }
-    }
-  }
-}
-
 void SplatStrip::reset(const SplatFrame& frame, int first_column, int columns) {
   x0 = first_column;
   width = columns;
   coverage.reset(columns, frame.height);
-  const std::size_t count = coverage.block_index(0, coverage.blocks_y()) * 64;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    inverse[axis].resize(count);
-    invert_rays(frame, axis);
-    if (!frame.map) continue;
-    start[axis].resize(count);
-    place_starts(frame, axis);
-  }
-  cell.assign(count, CellImage::kNone);
-  z.assign(count, CellImage::kNowhere);
+  const std::size_t count = coverage.block_index(0, coverage.blocks_y());
+  if (blocks.size() < count) blocks.resize(count);
+  begun.assign(count, 0);
 }
 
 }  // namespace voxatlas

@@ -32,6 +32,9 @@ struct SplatFrame {
   PixelRect tightened(const std::array<std::int32_t, 3>& corner, int edge, const PixelRect& rect,
                       int x0) const;
 
+  /// A ray along a face counts as this steep: 1 / it is finite, so that 0 times it is 0.
+  static constexpr float kTinyRay = 1e-30f;
+
   int width, height;
   bool map;                                     ///< Orthographic.
   VoxelIndex eye;                               ///< The eye's voxel,
@@ -43,9 +46,10 @@ struct SplatFrame {
   /// where they start is given in the same way.
   std::array<double, 3> ray, ray_dx, ray_dy;
   std::array<double, 3> start, start_dx, start_dy;
-  float near_z, far_z;          ///< Voxels along the camera's axis.
-  float slack_pixels, slack_z;  ///< What rounding may do to a projection; see the .cpp.
-  float steepest;               ///< A cell is projected where z - reach_z is above z * steepest.
+  std::array<float, 3> map_inverse;  ///< 1 / the ray that all of a map's pixels have.
+  float near_z, far_z;               ///< Voxels along the camera's axis.
+  float slack_pixels, slack_z;       ///< What rounding may do to a projection; see the .cpp.
+  float steepest;  ///< A cell is projected where z - reach_z is above z * steepest.
   float voxel_metres;
 };
 
@@ -57,24 +61,28 @@ struct SplatTile {
   int depth = kDepth;                    ///< Nodes of this depth are drawn whole.
 };
 
+/// A strip's block of 8x8 pixels, row by row.
+struct SplatBlock {
+  /// By axis: 1 / the pixel's ray; of a map, where the ray starts.
+  alignas(64) std::array<std::array<float, 64>, 3> ray;
+  std::array<std::uint32_t, 64> cell;
+  std::array<float, 64> z;  ///< Metres.
+};
+
 /// A strip of the picture while it is drawn: columns x0 .. x0 + width - 1.
 ///
-/// Layout: block by block as in Coverage, 64 pixels each.
-/// Cost:   28 bytes a pixel, to stay in a core's own cache.
+/// Layout: blocks as in Coverage.
+/// Cost:   20 bytes a pixel, to stay in a core's own cache.
 struct SplatStrip {
   int x0 = 0, width = 0;
   bool cull = true;  ///< Pass over what is covered. Off only to measure what that gains.
   Coverage coverage;
-  std::array<std::vector<float>, 3> inverse;  ///< 1 / the pixel's ray, by axis.
-  std::array<std::vector<float>, 3> start;    ///< Of a map: where the ray starts.
-  std::vector<std::uint32_t> cell;
-  std::vector<float> z;  ///< Metres.
+  std::vector<SplatBlock> blocks;
+  /// A flag a block: whether anything came near it. If not, it shows nothing and holds anything: a
+  /// picture is half sky, and a block's rays cost as much as a few cells.
+  std::vector<std::uint8_t> begun;
 
   void reset(const SplatFrame& frame, int first_column, int columns);
-
- private:
-  void invert_rays(const SplatFrame& frame, std::size_t axis);
-  void place_starts(const SplatFrame& frame, std::size_t axis);
 };
 
 /// Draws tiles, nearest first, into a strip. The instructions are chosen at run time (Highway);

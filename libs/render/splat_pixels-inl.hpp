@@ -12,6 +12,7 @@
 #include <array>
 #include <bit>
 
+#include "render/cell_image.hpp"
 #include "render/splat_kernels.hpp"
 
 HWY_BEFORE_NAMESPACE();
@@ -85,14 +86,17 @@ class PixelPainter {
   void cast_rays(int depth, TreeChildren children, const Corner& corner, const PixelRect& rect);
 
  private:
-  std::uint64_t draw_rows(std::size_t block, std::uint64_t pixels, std::uint32_t number);
-  std::uint64_t draw_pixels(std::size_t block, std::uint64_t pixels, std::uint32_t number);
+  SplatBlock& block_at(int bx, int by);
+  void begin(SplatBlock& block, int bx, int by) const;
+  std::uint64_t draw_rows(SplatBlock& block, std::uint64_t pixels, std::uint32_t number) const;
+  std::uint64_t draw_pixels(SplatBlock& block, std::uint64_t pixels, std::uint32_t number) const;
   Faces faces_of(const Corner& corner, int edge) const;
-  std::uint32_t meet(const Faces& faces, std::size_t at, std::array<float, 8>& entry) const;
-  std::uint64_t cast(int depth, TreeChildren children, const Corner& corner, std::size_t block,
-                     std::uint64_t pixels);
-  std::uint64_t cast_at_cells(TreeChildren cells, const Corner& corner, int edge, std::size_t block,
-                              std::uint64_t pixels);
+  std::uint32_t meet(const Faces& faces, const SplatBlock& block, std::size_t pixel,
+                     std::array<float, 8>& entry) const;
+  std::uint64_t cast(int depth, TreeChildren children, const Corner& corner, SplatBlock& block,
+                     std::uint64_t pixels) const;
+  std::uint64_t cast_at_cells(TreeChildren cells, const Corner& corner, int edge, SplatBlock& block,
+                              std::uint64_t pixels) const;
 
   const SplatFrame& frame_;
   SplatStrip& strip_;
@@ -100,6 +104,53 @@ class PixelPainter {
   std::uint32_t backwards_ = 0;          // Of a map: the axes down which its rays go.
   std::array<float, 3> low_{}, high_{};  // The faces of the cube being drawn.
 };
+
+/// What a block holds before the first cell that comes near it is drawn.
+template <bool kMap>
+SplatBlock& PixelPainter<kMap>::block_at(int bx, int by) {
+  const std::size_t index = strip_.coverage.block_index(bx, by);
+  SplatBlock& block = strip_.blocks[index];
+  if (strip_.begun[index] == 0) {
+    strip_.begun[index] = 1;
+    begin(block, bx, by);
+  }
+  return block;
+}
+
+/// A ray is taken from the middle of its block, in double, and a few small steps: so that one that
+/// is all but parallel to a face keeps its digits.
+template <bool kMap>
+HWY_NOINLINE void PixelPainter<kMap>::begin(SplatBlock& block, int bx, int by) const {
+  const double left = strip_.x0 + bx * 8, top = by * 8;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    float* const out = block.ray[axis].data();
+    if constexpr (kMap) {
+      for (std::size_t pixel = 0; pixel < 64; ++pixel) {
+        const double x = left + static_cast<double>(pixel % 8) + 0.5;
+        const double y = top + static_cast<double>(pixel / 8) + 0.5;
+        out[pixel] = static_cast<float>(frame_.start[axis] + x * frame_.start_dx[axis] +
+                                        y * frame_.start_dy[axis]);
+      }
+      continue;
+    }
+    const auto middle = static_cast<float>(frame_.ray[axis] + (left + 4) * frame_.ray_dx[axis] +
+                                           (top + 4) * frame_.ray_dy[axis]);
+    const auto dx = static_cast<float>(frame_.ray_dx[axis]);
+    const auto dy = static_cast<float>(frame_.ray_dy[axis]);
+    for (std::size_t row = 0; row < 8; ++row) {
+      const Float start = all(middle + (static_cast<float>(row) - 3.5f) * dy);
+      for (std::size_t i = 0; i < 8; i += hn::Lanes(kFloats)) {
+        const Float column = hn::Iota(kFloats, static_cast<float>(i) - 3.5f);
+        const Float ray = hn::Add(start, hn::Mul(column, all(dx)));
+        const Float tiny = hn::CopySign(all(SplatFrame::kTinyRay), ray);
+        const auto along = hn::Lt(hn::Abs(ray), all(SplatFrame::kTinyRay));
+        hn::Store(hn::Div(all(1), hn::IfThenElse(along, tiny, ray)), kFloats, out + row * 8 + i);
+      }
+    }
+  }
+  block.cell.fill(CellImage::kNone);
+  block.z.fill(CellImage::kNowhere);
+}
 
 template <bool kMap>
 std::uint32_t PixelPainter<kMap>::nearest_octant(const Corner& corner, int edge) const {
@@ -133,17 +184,18 @@ Faces PixelPainter<kMap>::faces_of(const Corner& corner, int edge) const {
 
 /// Which of the children a pixel's ray meets, and where it enters them.
 template <bool kMap>
-std::uint32_t PixelPainter<kMap>::meet(const Faces& faces, std::size_t at,
-                                       std::array<float, 8>& entry) const {
+std::uint32_t PixelPainter<kMap>::meet(const Faces& faces, const SplatBlock& block,
+                                       std::size_t pixel, std::array<float, 8>& entry) const {
   std::uint32_t met = 0;
   for (std::size_t i = 0; i < 8; i += hn::Lanes(kFloats)) {
     Float in = all(frame_.near_z), out = all(frame_.far_z);
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const Float inverse = all(strip_.inverse[axis][at]);
+      const Float ray = all(block.ray[axis][pixel]);
+      const Float inverse = kMap ? all(frame_.map_inverse[axis]) : ray;
       Float low = hn::Load(kFloats, faces.low[axis].data() + i);
       Float high = hn::Load(kFloats, faces.high[axis].data() + i);
       if constexpr (kMap) {
-        const Float start = all(strip_.start[axis][at]);
+        const Float start = ray;
         low = hn::Sub(low, start);
         high = hn::Sub(high, start);
       }
@@ -164,10 +216,10 @@ void PixelPainter<kMap>::cast_rays(int depth, TreeChildren children, const Corne
   Coverage& coverage = strip_.coverage;
   for (int by = rect.ya >> 3; by <= rect.yb >> 3; ++by) {
     for (int bx = rect.xa >> 3; bx <= rect.xb >> 3; ++bx) {
-      const std::size_t block = coverage.block_index(bx, by);
-      const std::uint64_t open = Coverage::within(rect, bx, by) & ~coverage.drawn(block);
+      const std::uint64_t open =
+          Coverage::within(rect, bx, by) & ~coverage.drawn(coverage.block_index(bx, by));
       if (open == 0) continue;
-      const std::uint64_t met = cast(depth, children, corner, block, open);
+      const std::uint64_t met = cast(depth, children, corner, block_at(bx, by), open);
       if (met != 0) coverage.draw(bx, by, met);
     }
   }
@@ -175,7 +227,7 @@ void PixelPainter<kMap>::cast_rays(int depth, TreeChildren children, const Corne
 
 template <bool kMap>
 std::uint64_t PixelPainter<kMap>::cast(int depth, TreeChildren children, const Corner& corner,
-                                       std::size_t block, std::uint64_t pixels) {
+                                       SplatBlock& block, std::uint64_t pixels) const {
   const int edge = 1 << (kDepth - depth);
   if (depth == tile_->depth) return cast_at_cells(children, corner, edge, block, pixels);
   const Faces faces = faces_of(corner, edge);
@@ -183,9 +235,9 @@ std::uint64_t PixelPainter<kMap>::cast(int depth, TreeChildren children, const C
   std::array<float, 8> entry;
   std::uint64_t met = 0;
   for (; pixels != 0; pixels &= pixels - 1) {
-    const std::size_t at = block * 64 + static_cast<std::size_t>(std::countr_zero(pixels));
+    const auto at = static_cast<std::size_t>(std::countr_zero(pixels));
     const std::uint64_t pixel = pixels & -pixels;
-    for (std::uint32_t left = children.octants & meet(faces, at, entry); left != 0;) {
+    for (std::uint32_t left = children.octants & meet(faces, block, at, entry); left != 0;) {
       const std::uint32_t octant = first_met[left];
       left ^= 1u << octant;
       const std::uint32_t node =
@@ -198,8 +250,8 @@ std::uint64_t PixelPainter<kMap>::cast(int depth, TreeChildren children, const C
         met |= pixel;
         break;
       }
-      strip_.z[at] = entry[octant] * frame_.voxel_metres;
-      strip_.cell[at] = tile_->first_number + node;
+      block.z[at] = entry[octant] * frame_.voxel_metres;
+      block.cell[at] = tile_->first_number + node;
       met |= pixel;
       break;
     }
@@ -210,23 +262,21 @@ std::uint64_t PixelPainter<kMap>::cast(int depth, TreeChildren children, const C
 /// The children are drawn whole: the first that a ray meets is what its pixel shows.
 template <bool kMap>
 std::uint64_t PixelPainter<kMap>::cast_at_cells(TreeChildren cells, const Corner& corner, int edge,
-                                                std::size_t block, std::uint64_t pixels) {
+                                                SplatBlock& block, std::uint64_t pixels) const {
   const Faces faces = faces_of(corner, edge);
   const auto& first_met = kFirstMet[nearest_octant(corner, edge)];
   const std::uint32_t number = tile_->first_number + cells.first;
   const float metres = frame_.voxel_metres;
-  std::uint32_t* const shown = strip_.cell.data() + block * 64;
-  float* const z = strip_.z.data() + block * 64;
   std::array<float, 8> entry;
   std::uint64_t met = 0;
   for (; pixels != 0; pixels &= pixels - 1) {
     const auto pixel = static_cast<std::size_t>(std::countr_zero(pixels));
-    const std::uint32_t hit = cells.octants & meet(faces, block * 64 + pixel, entry);
+    const std::uint32_t hit = cells.octants & meet(faces, block, pixel, entry);
     if (hit == 0) continue;
     const std::uint32_t octant = first_met[hit];
-    shown[pixel] =
+    block.cell[pixel] =
         number + static_cast<std::uint32_t>(std::popcount(cells.octants & ((1u << octant) - 1)));
-    z[pixel] = entry[octant] * metres;
+    block.z[pixel] = entry[octant] * metres;
     met |= pixels & -pixels;
   }
   return met;
@@ -245,8 +295,8 @@ void PixelPainter<kMap>::draw_cube(const Corner& corner, int edge, const PixelRe
   Coverage& coverage = strip_.coverage;
   for (int by = rect.ya >> 3; by <= rect.yb >> 3; ++by) {
     for (int bx = rect.xa >> 3; bx <= rect.xb >> 3; ++bx) {
-      const std::size_t block = coverage.block_index(bx, by);
-      const std::uint64_t open = Coverage::within(rect, bx, by) & ~coverage.drawn(block);
+      const std::uint64_t open =
+          Coverage::within(rect, bx, by) & ~coverage.drawn(coverage.block_index(bx, by));
       if (open == 0) continue;
       for (std::size_t axis = 0; axis < 3 && !faced; ++axis) {
         low_[axis] = static_cast<float>(corner[axis]) - frame_.in_voxel[axis];
@@ -254,6 +304,7 @@ void PixelPainter<kMap>::draw_cube(const Corner& corner, int edge, const PixelRe
       }
       faced = true;
       constexpr int kFew = 3;
+      SplatBlock& block = block_at(bx, by);
       const std::uint64_t met = std::popcount(open) <= kFew ? draw_pixels(block, open, number)
                                                             : draw_rows(block, open, number);
       if (met != 0) coverage.draw(bx, by, met);
@@ -262,22 +313,22 @@ void PixelPainter<kMap>::draw_cube(const Corner& corner, int edge, const PixelRe
 }
 
 template <bool kMap>
-std::uint64_t PixelPainter<kMap>::draw_rows(std::size_t block, std::uint64_t pixels,
-                                            std::uint32_t number) {
+std::uint64_t PixelPainter<kMap>::draw_rows(SplatBlock& block, std::uint64_t pixels,
+                                            std::uint32_t number) const {
   std::uint64_t met = 0;
   const std::size_t lanes = hn::Lanes(kFloats);
   for (int row = std::countr_zero(pixels) / 8; row * 8 < 64 - std::countl_zero(pixels); ++row) {
     for (std::size_t i = 0; i < 8; i += lanes) {
-      const std::size_t shift = static_cast<std::size_t>(row) * 8 + i;
-      const auto open = static_cast<std::uint32_t>(pixels >> shift & 0xff) & ((1u << lanes) - 1);
+      const std::size_t at = static_cast<std::size_t>(row) * 8 + i;
+      const auto open = static_cast<std::uint32_t>(pixels >> at & 0xff) & ((1u << lanes) - 1);
       if (open == 0) continue;
-      const std::size_t at = block * 64 + shift;
       Float in = all(frame_.near_z), out = all(frame_.far_z);
       for (std::size_t axis = 0; axis < 3; ++axis) {
-        const Float inverse = hn::LoadU(kFloats, strip_.inverse[axis].data() + at);
+        const Float ray = hn::Load(kFloats, block.ray[axis].data() + at);
+        const Float inverse = kMap ? all(frame_.map_inverse[axis]) : ray;
         Float low = all(low_[axis]), high = all(high_[axis]);
         if constexpr (kMap) {
-          const Float start = hn::LoadU(kFloats, strip_.start[axis].data() + at);
+          const Float start = ray;
           low = hn::Sub(low, start);
           high = hn::Sub(high, start);
         }
@@ -288,10 +339,10 @@ std::uint64_t PixelPainter<kMap>::draw_rows(std::size_t block, std::uint64_t pix
       const auto hit = hn::And(hn::Le(in, out), mask_of(open));
       const std::uint32_t hits = bits_of(hit);
       if (hits == 0) continue;
-      met |= std::uint64_t{hits} << shift;
-      hn::BlendedStore(hn::Mul(in, all(frame_.voxel_metres)), hit, kFloats, strip_.z.data() + at);
+      met |= std::uint64_t{hits} << at;
+      hn::BlendedStore(hn::Mul(in, all(frame_.voxel_metres)), hit, kFloats, block.z.data() + at);
       hn::BlendedStore(hn::Set(kWords, number), hn::RebindMask(kWords, hit), kWords,
-                       strip_.cell.data() + at);
+                       block.cell.data() + at);
     }
   }
   return met;
@@ -299,23 +350,23 @@ std::uint64_t PixelPainter<kMap>::draw_rows(std::size_t block, std::uint64_t pix
 
 /// The same, one by one: cheaper where there are few.
 template <bool kMap>
-std::uint64_t PixelPainter<kMap>::draw_pixels(std::size_t block, std::uint64_t pixels,
-                                              std::uint32_t number) {
+std::uint64_t PixelPainter<kMap>::draw_pixels(SplatBlock& block, std::uint64_t pixels,
+                                              std::uint32_t number) const {
   std::uint64_t met = 0;
   for (; pixels != 0; pixels &= pixels - 1) {
-    const std::size_t at = block * 64 + static_cast<std::size_t>(std::countr_zero(pixels));
+    const auto at = static_cast<std::size_t>(std::countr_zero(pixels));
     float in = frame_.near_z, out = frame_.far_z;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const float inverse = strip_.inverse[axis][at];
-      const float start = kMap ? strip_.start[axis][at] : 0;
+      const float ray = block.ray[axis][at], start = kMap ? ray : 0;
+      const float inverse = kMap ? frame_.map_inverse[axis] : ray;
       const float a = (low_[axis] - start) * inverse, b = (high_[axis] - start) * inverse;
       in = std::max(in, std::min(a, b));
       out = std::min(out, std::max(a, b));
     }
     if (!(in <= out)) continue;
     met |= pixels & -pixels;
-    strip_.z[at] = in * frame_.voxel_metres;
-    strip_.cell[at] = number;
+    block.z[at] = in * frame_.voxel_metres;
+    block.cell[at] = number;
   }
   return met;
 }

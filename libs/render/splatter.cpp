@@ -86,17 +86,24 @@ std::vector<OrderedTile> tiles_to_draw(const Camera& camera, const Grid& grid,
 void copy_out(const SplatStrip& strip, CellImage& image) {
   for (int y = 0; y < image.height; ++y) {
     for (int x = 0; x < strip.width; x += Coverage::kBlock) {
-      const std::size_t from =
-          strip.coverage.block_index(x / 8, y / 8) * 64 + static_cast<std::size_t>(y % 8) * 8;
+      const std::size_t block = strip.coverage.block_index(x / 8, y / 8);
       const std::size_t to = image.index(strip.x0 + x, y);
       const int count = std::min(8, strip.width - x);
-      if (count == 8) {  // A length that the compiler knows: two instructions, not two calls.
-        std::memcpy(&image.cell[to], &strip.cell[from], 8 * sizeof(std::uint32_t));
-        std::memcpy(&image.z[to], &strip.z[from], 8 * sizeof(float));
+      if (strip.begun[block] == 0) {
+        std::fill_n(&image.cell[to], count, CellImage::kNone);
+        std::fill_n(&image.z[to], count, CellImage::kNowhere);
         continue;
       }
-      std::copy_n(&strip.cell[from], count, &image.cell[to]);
-      std::copy_n(&strip.z[from], count, &image.z[to]);
+      const std::uint32_t* const cell =
+          &strip.blocks[block].cell[static_cast<std::size_t>(y % 8) * 8];
+      const float* const z = &strip.blocks[block].z[static_cast<std::size_t>(y % 8) * 8];
+      if (count == 8) {  // A length that the compiler knows: two instructions, not two calls.
+        std::memcpy(&image.cell[to], cell, 8 * sizeof(std::uint32_t));
+        std::memcpy(&image.z[to], z, 8 * sizeof(float));
+        continue;
+      }
+      std::copy_n(cell, count, &image.cell[to]);
+      std::copy_n(z, count, &image.z[to]);
     }
   }
 }
