@@ -130,9 +130,9 @@ void SplatStrip::reset(const SplatFrame& frame, int first_column, int columns) {
   x0 = first_column;
   width = columns;
   coverage.reset(columns, frame.height);
-  const std::size_t count = coverage.block_index(0, coverage.blocks_y());
-  if (blocks.size() < count) blocks.resize(count);
-  begun.assign(count, 0);
+  const auto bands = static_cast<std::size_t>((frame.height + kBand - 1) / kBand);
+  rows.resize(std::max(rows.size(), bands * kBand));
+  begun.assign(bands, 0);
 }
 
 }  // namespace voxatlas

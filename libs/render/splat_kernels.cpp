@@ -171,11 +171,8 @@ void StripPainter<kMap>::visit(int depth, TreeChildren children, const Corner& c
     const PixelRect rect{rects.xa[octant], rects.ya[octant], rects.xb[octant], rects.yb[octant]};
     const bool hidden = strip_.coverage.covers(rect);
     if (hidden && strip_.cull) continue;
-    const std::uint32_t node =
-        children.first +
-        static_cast<std::uint32_t>(std::popcount(children.octants & ((1u << octant) - 1)));
-    const Corner child{corner[0] + (octant & 1 ? edge : 0), corner[1] + (octant & 2 ? edge : 0),
-                       corner[2] + (octant & 4 ? edge : 0)};
+    const std::uint32_t node = child_at(children, octant);
+    const Corner child = child_corner(corner, octant, edge);
     const TreeChildren below = deepest ? TreeChildren{0, 0} : children_of(tile_->links, node);
     if (below.octants == 0) {
       pixels_.draw_cube(child, edge, rect, tile_->first_number + node);

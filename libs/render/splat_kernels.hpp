@@ -61,25 +61,26 @@ struct SplatTile {
   int depth = kDepth;                    ///< Nodes of this depth are drawn whole.
 };
 
-/// A strip's block of 8x8 pixels, row by row.
-struct SplatBlock {
+/// A row of a strip's pixels.
+struct SplatRow {
   /// By axis: 1 / the pixel's ray; of a map, where the ray starts.
-  alignas(64) std::array<std::array<float, 64>, 3> ray;
-  std::array<std::uint32_t, 64> cell;
-  std::array<float, 64> z;  ///< Metres.
+  alignas(64) std::array<std::array<float, Coverage::kWidth>, 3> ray;
+  std::array<std::uint32_t, Coverage::kWidth> cell;
+  std::array<float, Coverage::kWidth> z;  ///< Metres.
 };
 
 /// A strip of the picture while it is drawn: columns x0 .. x0 + width - 1.
 ///
-/// Layout: blocks as in Coverage.
-/// Cost:   20 bytes a pixel, to stay in a core's own cache.
+/// Cost: 20 bytes a pixel, to stay in a core's own cache.
 struct SplatStrip {
-  int x0 = 0, width = 0;
-  bool cull = true;  ///< Pass over what is covered. Off only to measure what that gains.
+  static constexpr int kBand = 8;  ///< Rows that are begun at once.
+
+  int x0 = 0, width = 0;  ///< At most 64 columns.
+  bool cull = true;       ///< Pass over what is covered. Off only to measure what that gains.
   Coverage coverage;
-  std::vector<SplatBlock> blocks;
-  /// A flag a block: whether anything came near it. If not, it shows nothing and holds anything: a
-  /// picture is half sky, and a block's rays cost as much as a few cells.
+  std::vector<SplatRow> rows;  ///< Whole bands.
+  /// A flag a band: whether anything came near it. If not, it shows nothing and holds anything: a
+  /// picture is half sky, and a band's rays cost as much as some cells.
   std::vector<std::uint8_t> begun;
 
   void reset(const SplatFrame& frame, int first_column, int columns);

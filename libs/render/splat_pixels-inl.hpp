@@ -21,8 +21,8 @@ namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Eight floats: the children of a node, the pixels of a block's row. They are one register, or two
-/// or eight where registers are shorter.
+/// Eight floats: the children of a node, pixels side by side. They are one register, or two or
+/// eight where registers are shorter.
 using Floats = hn::CappedTag<float, 8>;
 using Ints = hn::RebindToSigned<Floats>;
 using Words = hn::RebindToUnsigned<Floats>;
@@ -65,6 +65,25 @@ constexpr auto kFirstMet = [] {
   return first;
 }();
 
+/// The children of a node, which have this depth and edge, for rays to meet.
+struct RayTarget {
+  int depth, edge;
+  TreeChildren children;
+  Corner corner;
+  Faces faces;
+  const std::uint8_t* first_met;  ///< As in kFirstMet.
+};
+
+std::uint32_t child_at(TreeChildren children, std::uint32_t octant) {
+  return children.first +
+         static_cast<std::uint32_t>(std::popcount(children.octants & ((1u << octant) - 1)));
+}
+
+Corner child_corner(const Corner& corner, std::uint32_t octant, int edge) {
+  return {corner[0] + (octant & 1 ? edge : 0), corner[1] + (octant & 2 ? edge : 0),
+          corner[2] + (octant & 4 ? edge : 0)};
+}
+
 /// Finds which pixels of a strip show a cell, by the slab test: pixels a lane where a cell falls on
 /// many of them, cells a lane where a node with all its cells falls on few. `kMap`: the camera is
 /// orthographic.
@@ -86,17 +105,25 @@ class PixelPainter {
   void cast_rays(int depth, TreeChildren children, const Corner& corner, const PixelRect& rect);
 
  private:
-  SplatBlock& block_at(int bx, int by);
-  void begin(SplatBlock& block, int bx, int by) const;
-  std::uint64_t draw_rows(SplatBlock& block, std::uint64_t pixels, std::uint32_t number) const;
-  std::uint64_t draw_pixels(SplatBlock& block, std::uint64_t pixels, std::uint32_t number) const;
+  SplatRow& row_at(int y);
+  void begin(int band) const;
+  void invert_rays(std::size_t axis, int left, int top) const;
+  void place_starts(std::size_t axis, int left, int top) const;
+  std::uint64_t draw_row(SplatRow& row, std::uint64_t pixels, std::uint32_t number) const;
   Faces faces_of(const Corner& corner, int edge) const;
-  std::uint32_t meet(const Faces& faces, const SplatBlock& block, std::size_t pixel,
+  std::uint32_t meet(const Faces& faces, const SplatRow& row, std::size_t x,
                      std::array<float, 8>& entry) const;
-  std::uint64_t cast(int depth, TreeChildren children, const Corner& corner, SplatBlock& block,
-                     std::uint64_t pixels) const;
-  std::uint64_t cast_at_cells(TreeChildren cells, const Corner& corner, int edge, SplatBlock& block,
-                              std::uint64_t pixels) const;
+  RayTarget target_of(int depth, TreeChildren children, const Corner& corner) const {
+    const int edge = 1 << (kDepth - depth);
+    return {depth,
+            edge,
+            children,
+            corner,
+            faces_of(corner, edge),
+            kFirstMet[nearest_octant(corner, edge)].data()};
+  }
+  bool cast_at_cells(const RayTarget& cells, SplatRow& row, std::size_t x) const;
+  bool cast_at_nodes(const RayTarget& nodes, SplatRow& row, std::size_t x) const;
 
   const SplatFrame& frame_;
   SplatStrip& strip_;
@@ -105,51 +132,66 @@ class PixelPainter {
   std::array<float, 3> low_{}, high_{};  // The faces of the cube being drawn.
 };
 
-/// What a block holds before the first cell that comes near it is drawn.
 template <bool kMap>
-SplatBlock& PixelPainter<kMap>::block_at(int bx, int by) {
-  const std::size_t index = strip_.coverage.block_index(bx, by);
-  SplatBlock& block = strip_.blocks[index];
-  if (strip_.begun[index] == 0) {
-    strip_.begun[index] = 1;
-    begin(block, bx, by);
+SplatRow& PixelPainter<kMap>::row_at(int y) {
+  const int band = y / SplatStrip::kBand;
+  if (std::uint8_t& begun = strip_.begun[static_cast<std::size_t>(band)]; begun == 0) {
+    begun = 1;
+    begin(band);
   }
-  return block;
+  return strip_.rows[static_cast<std::size_t>(y)];
 }
 
-/// A ray is taken from the middle of its block, in double, and a few small steps: so that one that
-/// is all but parallel to a face keeps its digits.
+/// What rows hold before the first cell that comes near them is drawn.
 template <bool kMap>
-HWY_NOINLINE void PixelPainter<kMap>::begin(SplatBlock& block, int bx, int by) const {
-  const double left = strip_.x0 + bx * 8, top = by * 8;
+HWY_NOINLINE void PixelPainter<kMap>::begin(int band) const {
+  const int top = band * SplatStrip::kBand;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    float* const out = block.ray[axis].data();
-    if constexpr (kMap) {
-      for (std::size_t pixel = 0; pixel < 64; ++pixel) {
-        const double x = left + static_cast<double>(pixel % 8) + 0.5;
-        const double y = top + static_cast<double>(pixel / 8) + 0.5;
-        out[pixel] = static_cast<float>(frame_.start[axis] + x * frame_.start_dx[axis] +
-                                        y * frame_.start_dy[axis]);
-      }
-      continue;
-    }
-    const auto middle = static_cast<float>(frame_.ray[axis] + (left + 4) * frame_.ray_dx[axis] +
-                                           (top + 4) * frame_.ray_dy[axis]);
-    const auto dx = static_cast<float>(frame_.ray_dx[axis]);
-    const auto dy = static_cast<float>(frame_.ray_dy[axis]);
-    for (std::size_t row = 0; row < 8; ++row) {
-      const Float start = all(middle + (static_cast<float>(row) - 3.5f) * dy);
-      for (std::size_t i = 0; i < 8; i += hn::Lanes(kFloats)) {
-        const Float column = hn::Iota(kFloats, static_cast<float>(i) - 3.5f);
-        const Float ray = hn::Add(start, hn::Mul(column, all(dx)));
-        const Float tiny = hn::CopySign(all(SplatFrame::kTinyRay), ray);
-        const auto along = hn::Lt(hn::Abs(ray), all(SplatFrame::kTinyRay));
-        hn::Store(hn::Div(all(1), hn::IfThenElse(along, tiny, ray)), kFloats, out + row * 8 + i);
-      }
+    for (int x = 0; x < Coverage::kWidth; x += 8) {
+      kMap ? place_starts(axis, x, top) : invert_rays(axis, x, top);
     }
   }
-  block.cell.fill(CellImage::kNone);
-  block.z.fill(CellImage::kNowhere);
+  for (int y = top; y < top + SplatStrip::kBand; ++y) {
+    SplatRow& row = strip_.rows[static_cast<std::size_t>(y)];
+    row.cell.fill(CellImage::kNone);
+    row.z.fill(CellImage::kNowhere);
+  }
+}
+
+/// Of 8x8 pixels. A ray is taken from their middle, in double, and a few small steps: so that one
+/// that is all but parallel to a face keeps its digits.
+template <bool kMap>
+void PixelPainter<kMap>::invert_rays(std::size_t axis, int left, int top) const {
+  static_assert(SplatStrip::kBand == 8);
+  const auto middle =
+      static_cast<float>(frame_.ray[axis] + (strip_.x0 + left + 4) * frame_.ray_dx[axis] +
+                         (top + 4) * frame_.ray_dy[axis]);
+  const auto dx = static_cast<float>(frame_.ray_dx[axis]);
+  const auto dy = static_cast<float>(frame_.ray_dy[axis]);
+  for (int y = 0; y < 8; ++y) {
+    const Float row = all(middle + (static_cast<float>(y) - 3.5f) * dy);
+    float* const inverse = strip_.rows[static_cast<std::size_t>(top + y)].ray[axis].data() + left;
+    for (std::size_t i = 0; i < 8; i += hn::Lanes(kFloats)) {
+      const Float steps = hn::Iota(kFloats, static_cast<float>(i) - 3.5f);
+      const Float ray = hn::Add(row, hn::Mul(steps, all(dx)));
+      const auto along = hn::Lt(hn::Abs(ray), all(SplatFrame::kTinyRay));
+      const Float tiny = hn::CopySign(all(SplatFrame::kTinyRay), ray);
+      hn::Store(hn::Div(all(1), hn::IfThenElse(along, tiny, ray)), kFloats, inverse + i);
+    }
+  }
+}
+
+/// Where a map's rays start: in the plane through the eye across them.
+template <bool kMap>
+void PixelPainter<kMap>::place_starts(std::size_t axis, int left, int top) const {
+  for (int y = top; y < top + 8; ++y) {
+    float* const start = strip_.rows[static_cast<std::size_t>(y)].ray[axis].data();
+    for (int x = left; x < left + 8; ++x) {
+      start[x] =
+          static_cast<float>(frame_.start[axis] + (strip_.x0 + x + 0.5) * frame_.start_dx[axis] +
+                             (y + 0.5) * frame_.start_dy[axis]);
+    }
+  }
 }
 
 template <bool kMap>
@@ -184,20 +226,19 @@ Faces PixelPainter<kMap>::faces_of(const Corner& corner, int edge) const {
 
 /// Which of the children a pixel's ray meets, and where it enters them.
 template <bool kMap>
-std::uint32_t PixelPainter<kMap>::meet(const Faces& faces, const SplatBlock& block,
-                                       std::size_t pixel, std::array<float, 8>& entry) const {
+std::uint32_t PixelPainter<kMap>::meet(const Faces& faces, const SplatRow& row, std::size_t x,
+                                       std::array<float, 8>& entry) const {
   std::uint32_t met = 0;
   for (std::size_t i = 0; i < 8; i += hn::Lanes(kFloats)) {
     Float in = all(frame_.near_z), out = all(frame_.far_z);
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const Float ray = all(block.ray[axis][pixel]);
+      const Float ray = all(row.ray[axis][x]);
       const Float inverse = kMap ? all(frame_.map_inverse[axis]) : ray;
       Float low = hn::Load(kFloats, faces.low[axis].data() + i);
       Float high = hn::Load(kFloats, faces.high[axis].data() + i);
       if constexpr (kMap) {
-        const Float start = ray;
-        low = hn::Sub(low, start);
-        high = hn::Sub(high, start);
+        low = hn::Sub(low, ray);
+        high = hn::Sub(high, ray);
       }
       const Float a = hn::Mul(low, inverse), b = hn::Mul(high, inverse);
       in = hn::Max(in, hn::Min(a, b));
@@ -213,73 +254,53 @@ std::uint32_t PixelPainter<kMap>::meet(const Faces& faces, const SplatBlock& blo
 template <bool kMap>
 void PixelPainter<kMap>::cast_rays(int depth, TreeChildren children, const Corner& corner,
                                    const PixelRect& rect) {
-  Coverage& coverage = strip_.coverage;
-  for (int by = rect.ya >> 3; by <= rect.yb >> 3; ++by) {
-    for (int bx = rect.xa >> 3; bx <= rect.xb >> 3; ++bx) {
-      const std::uint64_t open =
-          Coverage::within(rect, bx, by) & ~coverage.drawn(coverage.block_index(bx, by));
-      if (open == 0) continue;
-      const std::uint64_t met = cast(depth, children, corner, block_at(bx, by), open);
-      if (met != 0) coverage.draw(bx, by, met);
+  const RayTarget target = target_of(depth, children, corner);
+  const std::uint64_t columns = Coverage::columns(rect);
+  const bool cells = depth == tile_->depth;
+  for (int y = rect.ya; y <= rect.yb; ++y) {
+    std::uint64_t met = 0;
+    for (std::uint64_t open = strip_.coverage.open(y, columns); open != 0; open &= open - 1) {
+      const auto x = static_cast<std::size_t>(std::countr_zero(open));
+      const bool meets =
+          cells ? cast_at_cells(target, row_at(y), x) : cast_at_nodes(target, row_at(y), x);
+      if (meets) met |= open & -open;
     }
+    strip_.coverage.draw(y, met);
   }
 }
 
+/// Whether the ray of a pixel meets any of these cells. If so, the pixel shows it.
 template <bool kMap>
-std::uint64_t PixelPainter<kMap>::cast(int depth, TreeChildren children, const Corner& corner,
-                                       SplatBlock& block, std::uint64_t pixels) const {
-  const int edge = 1 << (kDepth - depth);
-  if (depth == tile_->depth) return cast_at_cells(children, corner, edge, block, pixels);
-  const Faces faces = faces_of(corner, edge);
-  const auto& first_met = kFirstMet[nearest_octant(corner, edge)];
+bool PixelPainter<kMap>::cast_at_cells(const RayTarget& cells, SplatRow& row, std::size_t x) const {
   std::array<float, 8> entry;
-  std::uint64_t met = 0;
-  for (; pixels != 0; pixels &= pixels - 1) {
-    const auto at = static_cast<std::size_t>(std::countr_zero(pixels));
-    const std::uint64_t pixel = pixels & -pixels;
-    for (std::uint32_t left = children.octants & meet(faces, block, at, entry); left != 0;) {
-      const std::uint32_t octant = first_met[left];
-      left ^= 1u << octant;
-      const std::uint32_t node =
-          children.first +
-          static_cast<std::uint32_t>(std::popcount(children.octants & ((1u << octant) - 1)));
-      if (const auto below = children_of(tile_->links, node); below.octants != 0) {
-        const Corner child{corner[0] + (octant & 1 ? edge : 0), corner[1] + (octant & 2 ? edge : 0),
-                           corner[2] + (octant & 4 ? edge : 0)};
-        if (cast(depth + 1, below, child, block, pixel) == 0) continue;
-        met |= pixel;
-        break;
-      }
-      block.z[at] = entry[octant] * frame_.voxel_metres;
-      block.cell[at] = tile_->first_number + node;
-      met |= pixel;
-      break;
-    }
-  }
-  return met;
+  const std::uint32_t met = cells.children.octants & meet(cells.faces, row, x, entry);
+  if (met == 0) return false;
+  const std::uint32_t octant = cells.first_met[met];
+  row.z[x] = entry[octant] * frame_.voxel_metres;
+  row.cell[x] = tile_->first_number + child_at(cells.children, octant);
+  return true;
 }
 
-/// The children are drawn whole: the first that a ray meets is what its pixel shows.
+/// The same of all below these nodes.
 template <bool kMap>
-std::uint64_t PixelPainter<kMap>::cast_at_cells(TreeChildren cells, const Corner& corner, int edge,
-                                                SplatBlock& block, std::uint64_t pixels) const {
-  const Faces faces = faces_of(corner, edge);
-  const auto& first_met = kFirstMet[nearest_octant(corner, edge)];
-  const std::uint32_t number = tile_->first_number + cells.first;
-  const float metres = frame_.voxel_metres;
+bool PixelPainter<kMap>::cast_at_nodes(const RayTarget& nodes, SplatRow& row, std::size_t x) const {
   std::array<float, 8> entry;
-  std::uint64_t met = 0;
-  for (; pixels != 0; pixels &= pixels - 1) {
-    const auto pixel = static_cast<std::size_t>(std::countr_zero(pixels));
-    const std::uint32_t hit = cells.octants & meet(faces, block, pixel, entry);
-    if (hit == 0) continue;
-    const std::uint32_t octant = first_met[hit];
-    block.cell[pixel] =
-        number + static_cast<std::uint32_t>(std::popcount(cells.octants & ((1u << octant) - 1)));
-    block.z[pixel] = entry[octant] * metres;
-    met |= pixels & -pixels;
+  for (std::uint32_t left = nodes.children.octants & meet(nodes.faces, row, x, entry); left != 0;) {
+    const std::uint32_t octant = nodes.first_met[left];
+    left ^= 1u << octant;
+    const std::uint32_t node = child_at(nodes.children, octant);
+    const TreeChildren below = children_of(tile_->links, node);
+    if (below.octants == 0) {
+      row.z[x] = entry[octant] * frame_.voxel_metres;
+      row.cell[x] = tile_->first_number + node;
+      return true;
+    }
+    const RayTarget target =
+        target_of(nodes.depth + 1, below, child_corner(nodes.corner, octant, nodes.edge));
+    const bool cells = target.depth == tile_->depth;
+    if (cells ? cast_at_cells(target, row, x) : cast_at_nodes(target, row, x)) return true;
   }
-  return met;
+  return false;
 }
 
 /// Exactly the pixels whose ray meets the cube. Neighbours share their faces to the bit, so no ray
@@ -287,86 +308,49 @@ std::uint64_t PixelPainter<kMap>::cast_at_cells(TreeChildren cells, const Corner
 template <bool kMap>
 void PixelPainter<kMap>::draw_cube(const Corner& corner, int edge, const PixelRect& where,
                                    std::uint32_t number) {
-  constexpr int kLarge = 3 * Coverage::kBlock;
+  constexpr int kLarge = 24;  // Pixels.
   const bool large = where.xb - where.xa > kLarge || where.yb - where.ya > kLarge;
   const PixelRect rect = large ? frame_.tightened(corner, edge, where, strip_.x0) : where;
   if (rect.xa > rect.xb || rect.ya > rect.yb) return;
-  bool faced = false;
-  Coverage& coverage = strip_.coverage;
-  for (int by = rect.ya >> 3; by <= rect.yb >> 3; ++by) {
-    for (int bx = rect.xa >> 3; bx <= rect.xb >> 3; ++bx) {
-      const std::uint64_t open =
-          Coverage::within(rect, bx, by) & ~coverage.drawn(coverage.block_index(bx, by));
-      if (open == 0) continue;
-      for (std::size_t axis = 0; axis < 3 && !faced; ++axis) {
-        low_[axis] = static_cast<float>(corner[axis]) - frame_.in_voxel[axis];
-        high_[axis] = static_cast<float>(corner[axis] + edge) - frame_.in_voxel[axis];
-      }
-      faced = true;
-      constexpr int kFew = 3;
-      SplatBlock& block = block_at(bx, by);
-      const std::uint64_t met = std::popcount(open) <= kFew ? draw_pixels(block, open, number)
-                                                            : draw_rows(block, open, number);
-      if (met != 0) coverage.draw(bx, by, met);
-    }
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    low_[axis] = static_cast<float>(corner[axis]) - frame_.in_voxel[axis];
+    high_[axis] = static_cast<float>(corner[axis] + edge) - frame_.in_voxel[axis];
+  }
+  const std::uint64_t columns = Coverage::columns(rect);
+  for (int y = rect.ya; y <= rect.yb; ++y) {
+    const std::uint64_t open = strip_.coverage.open(y, columns);
+    if (open != 0) strip_.coverage.draw(y, draw_row(row_at(y), open, number));
   }
 }
 
 template <bool kMap>
-std::uint64_t PixelPainter<kMap>::draw_rows(SplatBlock& block, std::uint64_t pixels,
-                                            std::uint32_t number) const {
-  std::uint64_t met = 0;
+std::uint64_t PixelPainter<kMap>::draw_row(SplatRow& row, std::uint64_t pixels,
+                                           std::uint32_t number) const {
+  constexpr std::size_t kWidth = Coverage::kWidth;
   const std::size_t lanes = hn::Lanes(kFloats);
-  for (int row = std::countr_zero(pixels) / 8; row * 8 < 64 - std::countl_zero(pixels); ++row) {
-    for (std::size_t i = 0; i < 8; i += lanes) {
-      const std::size_t at = static_cast<std::size_t>(row) * 8 + i;
-      const auto open = static_cast<std::uint32_t>(pixels >> at & 0xff) & ((1u << lanes) - 1);
-      if (open == 0) continue;
-      Float in = all(frame_.near_z), out = all(frame_.far_z);
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        const Float ray = hn::Load(kFloats, block.ray[axis].data() + at);
-        const Float inverse = kMap ? all(frame_.map_inverse[axis]) : ray;
-        Float low = all(low_[axis]), high = all(high_[axis]);
-        if constexpr (kMap) {
-          const Float start = ray;
-          low = hn::Sub(low, start);
-          high = hn::Sub(high, start);
-        }
-        const Float a = hn::Mul(low, inverse), b = hn::Mul(high, inverse);
-        in = hn::Max(in, hn::Min(a, b));
-        out = hn::Min(out, hn::Max(a, b));
-      }
-      const auto hit = hn::And(hn::Le(in, out), mask_of(open));
-      const std::uint32_t hits = bits_of(hit);
-      if (hits == 0) continue;
-      met |= std::uint64_t{hits} << at;
-      hn::BlendedStore(hn::Mul(in, all(frame_.voxel_metres)), hit, kFloats, block.z.data() + at);
-      hn::BlendedStore(hn::Set(kWords, number), hn::RebindMask(kWords, hit), kWords,
-                       block.cell.data() + at);
-    }
-  }
-  return met;
-}
-
-/// The same, one by one: cheaper where there are few.
-template <bool kMap>
-std::uint64_t PixelPainter<kMap>::draw_pixels(SplatBlock& block, std::uint64_t pixels,
-                                              std::uint32_t number) const {
   std::uint64_t met = 0;
-  for (; pixels != 0; pixels &= pixels - 1) {
-    const auto at = static_cast<std::size_t>(std::countr_zero(pixels));
-    float in = frame_.near_z, out = frame_.far_z;
+  while (pixels != 0) {
+    const auto x = std::min(static_cast<std::size_t>(std::countr_zero(pixels)), kWidth - lanes);
+    const auto open = static_cast<std::uint32_t>(pixels >> x) & ((1u << lanes) - 1);
+    pixels &= ~(std::uint64_t{open} << x);
+    Float in = all(frame_.near_z), out = all(frame_.far_z);
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const float ray = block.ray[axis][at], start = kMap ? ray : 0;
-      const float inverse = kMap ? frame_.map_inverse[axis] : ray;
-      const float a = (low_[axis] - start) * inverse, b = (high_[axis] - start) * inverse;
-      in = std::max(in, std::min(a, b));
-      out = std::min(out, std::max(a, b));
+      const Float ray = hn::LoadU(kFloats, row.ray[axis].data() + x);
+      const Float inverse = kMap ? all(frame_.map_inverse[axis]) : ray;
+      Float low = all(low_[axis]), high = all(high_[axis]);
+      if constexpr (kMap) {
+        low = hn::Sub(low, ray);
+        high = hn::Sub(high, ray);
+      }
+      const Float a = hn::Mul(low, inverse), b = hn::Mul(high, inverse);
+      in = hn::Max(in, hn::Min(a, b));
+      out = hn::Min(out, hn::Max(a, b));
     }
-    if (!(in <= out)) continue;
-    met |= pixels & -pixels;
-    block.z[at] = in * frame_.voxel_metres;
-    block.cell[at] = number;
+    const auto hit = hn::And(hn::Le(in, out), mask_of(open));
+    met |= std::uint64_t{bits_of(hit)} << x;
+    hn::BlendedStore(hn::Mul(in, all(frame_.voxel_metres)), hit, kFloats, row.z.data() + x);
+    hn::BlendedStore(hn::Set(kWords, number), hn::RebindMask(kWords, hit), kWords,
+                     row.cell.data() + x);
   }
   return met;
 }

@@ -5,14 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <cstring>
 
 #include "render/frustum.hpp"
 
 namespace voxatlas {
 namespace {
-
-constexpr int kStripWidth = 64;  // Pixels, whole blocks: a strip fits in a core's own cache.
 
 struct OrderedTile {
   int steps;  // Faces of tiles that a ray crosses on its way to it.
@@ -82,29 +79,18 @@ std::vector<OrderedTile> tiles_to_draw(const Camera& camera, const Grid& grid,
   return seen;
 }
 
-/// A strip's blocks as rows of the picture.
 void copy_out(const SplatStrip& strip, CellImage& image) {
   for (int y = 0; y < image.height; ++y) {
-    for (int x = 0; x < strip.width; x += Coverage::kBlock) {
-      const std::size_t block = strip.coverage.block_index(x / 8, y / 8);
-      const std::size_t to = image.index(strip.x0 + x, y);
-      const int count = std::min(8, strip.width - x);
-      if (strip.begun[block] == 0) {
-        std::fill_n(&image.cell[to], count, CellImage::kNone);
-        std::fill_n(&image.z[to], count, CellImage::kNowhere);
-        continue;
-      }
-      const std::uint32_t* const cell =
-          &strip.blocks[block].cell[static_cast<std::size_t>(y % 8) * 8];
-      const float* const z = &strip.blocks[block].z[static_cast<std::size_t>(y % 8) * 8];
-      if (count == 8) {  // A length that the compiler knows: two instructions, not two calls.
-        std::memcpy(&image.cell[to], cell, 8 * sizeof(std::uint32_t));
-        std::memcpy(&image.z[to], z, 8 * sizeof(float));
-        continue;
-      }
-      std::copy_n(cell, count, &image.cell[to]);
-      std::copy_n(z, count, &image.z[to]);
+    std::uint32_t* const cell = &image.cell[image.index(strip.x0, y)];
+    float* const z = &image.z[image.index(strip.x0, y)];
+    if (strip.begun[static_cast<std::size_t>(y / SplatStrip::kBand)] == 0) {
+      std::fill_n(cell, strip.width, CellImage::kNone);
+      std::fill_n(z, strip.width, CellImage::kNowhere);
+      continue;
     }
+    const SplatRow& row = strip.rows[static_cast<std::size_t>(y)];
+    std::copy_n(row.cell.data(), strip.width, cell);
+    std::copy_n(row.z.data(), strip.width, z);
   }
 }
 
@@ -148,11 +134,12 @@ Status Splatter::draw(const Camera& camera, const Grid& grid, std::span<const Pl
   const std::size_t count = image.index(0, image.height);
   image.cell.resize(count);
   image.z.resize(count);
-  const auto strips = static_cast<std::size_t>((image.width + kStripWidth - 1) / kStripWidth);
+  const auto strips =
+      static_cast<std::size_t>((image.width + Coverage::kWidth - 1) / Coverage::kWidth);
   workers_.run(strips, [&](std::size_t piece, std::size_t worker) {
     SplatStrip& strip = strips_[worker];
-    const int x0 = static_cast<int>(piece) * kStripWidth;
-    strip.reset(frame, x0, std::min(kStripWidth, image.width - x0));
+    const int x0 = static_cast<int>(piece) * Coverage::kWidth;
+    strip.reset(frame, x0, std::min(Coverage::kWidth, image.width - x0));
     strip.cull = options.cull;
     splat(frame, tiles, strip);
     copy_out(strip, image);

@@ -14,10 +14,13 @@ TEST_CASE("coverage agrees with a picture of booleans", "[coverage][oracle]") {
   INFO("VOX_SEED=" << test::seed());
   Coverage coverage;
   for (int round = 0; round < 20; ++round) {
-    const int width = std::uniform_int_distribution<int>(1, 150)(rng);
+    const int width = std::uniform_int_distribution<int>(1, Coverage::kWidth)(rng);
     const int height = std::uniform_int_distribution<int>(1, 150)(rng);
     coverage.reset(width, height);
     std::vector<char> drawn(static_cast<std::size_t>(width * height));
+    const auto at = [&](int x, int y) -> char& {
+      return drawn[static_cast<std::size_t>(y * width + x)];
+    };
     const auto random_rect = [&](int largest) {
       PixelRect rect;
       rect.xa = std::uniform_int_distribution<int>(0, width - 1)(rng);
@@ -28,22 +31,25 @@ TEST_CASE("coverage agrees with a picture of booleans", "[coverage][oracle]") {
     };
     for (int i = 0; i < 300; ++i) {
       const PixelRect rect = random_rect(40);
-      for (int by = rect.ya / 8; by <= rect.yb / 8; ++by) {
-        for (int bx = rect.xa / 8; bx <= rect.xb / 8; ++bx) {
-          coverage.draw(bx, by, Coverage::within(rect, bx, by));
-        }
-      }
       for (int y = rect.ya; y <= rect.yb; ++y) {
-        for (int x = rect.xa; x <= rect.xb; ++x) drawn[static_cast<std::size_t>(y * width + x)] = 1;
+        coverage.draw(y, Coverage::columns(rect));
+        for (int x = rect.xa; x <= rect.xb; ++x) at(x, y) = 1;
       }
       const PixelRect asked = random_rect(i % 2 == 0 ? 4 : 100);
       bool all = true;
       for (int y = asked.ya; y <= asked.yb; ++y) {
+        std::uint64_t open = 0;
         for (int x = asked.xa; x <= asked.xb; ++x) {
-          all = all && drawn[static_cast<std::size_t>(y * width + x)] != 0;
+          open |= std::uint64_t{at(x, y) == 0} << x;
         }
+        REQUIRE(coverage.open(y, Coverage::columns(asked)) == open);
+        all = all && open == 0;
       }
       REQUIRE(coverage.covers(asked) == all);
+    }
+    for (int y = 0; y < height; ++y) {  // Outside the strip all counts as drawn.
+      coverage.draw(y, Coverage::columns({0, y, width - 1, y}));
+      REQUIRE(coverage.open(y, Coverage::kFull) == 0);
     }
   }
 }
