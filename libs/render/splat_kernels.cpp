@@ -29,7 +29,7 @@ struct Span {
 
 /// A node that falls on at most so many pixels is drawn from these, by how many depths lie below
 /// it.
-constexpr std::array<int, kDepth + 1> kFew = {0, 40, 24, 12, 8, 8, 8, 8};
+constexpr std::array<int, kDepth + 1> kFew = {0, 30, 16, 8, 8, 8, 8, 8};
 
 /// `kMap`: the camera is orthographic.
 template <bool kMap>

@@ -226,8 +226,9 @@ Faces PixelPainter<kMap>::faces_of(const Corner& corner, int edge) const {
 
 /// Which of the children a pixel's ray meets, and where it enters them.
 template <bool kMap>
-std::uint32_t PixelPainter<kMap>::meet(const Faces& faces, const SplatRow& row, std::size_t x,
-                                       std::array<float, 8>& entry) const {
+HWY_INLINE std::uint32_t PixelPainter<kMap>::meet(const Faces& faces, const SplatRow& row,
+                                                  std::size_t x,
+                                                  std::array<float, 8>& entry) const {
   std::uint32_t met = 0;
   for (std::size_t i = 0; i < 8; i += hn::Lanes(kFloats)) {
     Float in = all(frame_.near_z), out = all(frame_.far_z);
@@ -271,7 +272,8 @@ void PixelPainter<kMap>::cast_rays(int depth, TreeChildren children, const Corne
 
 /// Whether the ray of a pixel meets any of these cells. If so, the pixel shows it.
 template <bool kMap>
-bool PixelPainter<kMap>::cast_at_cells(const RayTarget& cells, SplatRow& row, std::size_t x) const {
+HWY_INLINE bool PixelPainter<kMap>::cast_at_cells(const RayTarget& cells, SplatRow& row,
+                                                  std::size_t x) const {
   std::array<float, 8> entry;
   const std::uint32_t met = cells.children.octants & meet(cells.faces, row, x, entry);
   if (met == 0) return false;
