@@ -23,7 +23,8 @@ class SplatBench {
   void print_coarse_build() const;
   /// One and two threads, and the whole picture as JPEG.
   void print_view(const View& view);
-  /// What passing over the hidden gains, and what a second thread.
+  /// What passing over the hidden gains, and what it would if it were known beforehand; and what a
+  /// second thread gains.
   void print_gains(const View& street);
   /// Depth by depth, the paper's table 1 beside.
   void print_depths(const View& view);
