@@ -12,38 +12,13 @@
 #include <array>
 #include <bit>
 
-#include "render/cell_image.hpp"
 #include "render/splat_kernels.hpp"
+#include "render/splat_lanes-inl.hpp"
+#include "render/splat_rows-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace voxatlas::HWY_NAMESPACE {
 namespace {
-
-namespace hn = hwy::HWY_NAMESPACE;
-
-/// Eight floats: the children of a node, pixels side by side. They are one register, or two or
-/// eight where registers are shorter.
-using Floats = hn::CappedTag<float, 8>;
-using Ints = hn::RebindToSigned<Floats>;
-using Words = hn::RebindToUnsigned<Floats>;
-using Float = hn::Vec<Floats>;
-constexpr Floats kFloats;
-constexpr Ints kInts;
-constexpr Words kWords;
-
-Float all(float x) { return hn::Set(kFloats, x); }
-
-/// A set of lanes as bits, lane 0 lowest.
-std::uint32_t bits_of(hn::Mask<Floats> mask) {
-  std::array<std::uint8_t, 8> bytes{};
-  hn::StoreMaskBits(kFloats, mask, bytes.data());
-  return bytes[0];
-}
-
-hn::Mask<Floats> mask_of(std::uint32_t bits) {
-  const std::array<std::uint8_t, 8> bytes{static_cast<std::uint8_t>(bits)};
-  return hn::LoadMaskBits(kFloats, bytes.data());
-}
 
 using Corner = std::array<std::int32_t, 3>;
 
@@ -106,9 +81,6 @@ class PixelPainter {
 
  private:
   SplatRow& row_at(int y);
-  void begin(int band) const;
-  void invert_rays(std::size_t axis, int left, int top) const;
-  void place_starts(std::size_t axis, int left, int top) const;
   std::uint64_t draw_row(SplatRow& row, std::uint64_t pixels, std::uint32_t number) const;
   Faces faces_of(const Corner& corner, int edge) const;
   std::uint32_t meet(const Faces& faces, const SplatRow& row, std::size_t x,
@@ -137,61 +109,9 @@ SplatRow& PixelPainter<kMap>::row_at(int y) {
   const int band = y / SplatStrip::kBand;
   if (std::uint8_t& begun = strip_.begun[static_cast<std::size_t>(band)]; begun == 0) {
     begun = 1;
-    begin(band);
+    begin_band<kMap>(frame_, strip_, band);
   }
   return strip_.rows[static_cast<std::size_t>(y)];
-}
-
-/// What rows hold before the first cell that comes near them is drawn.
-template <bool kMap>
-HWY_NOINLINE void PixelPainter<kMap>::begin(int band) const {
-  const int top = band * SplatStrip::kBand;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    for (int x = 0; x < Coverage::kWidth; x += 8) {
-      kMap ? place_starts(axis, x, top) : invert_rays(axis, x, top);
-    }
-  }
-  for (int y = top; y < top + SplatStrip::kBand; ++y) {
-    SplatRow& row = strip_.rows[static_cast<std::size_t>(y)];
-    row.cell.fill(CellImage::kNone);
-    row.z.fill(CellImage::kNowhere);
-  }
-}
-
-/// Of 8x8 pixels. A ray is taken from their middle, in double, and a few small steps: so that one
-/// that is all but parallel to a face keeps its digits.
-template <bool kMap>
-void PixelPainter<kMap>::invert_rays(std::size_t axis, int left, int top) const {
-  static_assert(SplatStrip::kBand == 8);
-  const auto middle =
-      static_cast<float>(frame_.ray[axis] + (strip_.x0 + left + 4) * frame_.ray_dx[axis] +
-                         (top + 4) * frame_.ray_dy[axis]);
-  const auto dx = static_cast<float>(frame_.ray_dx[axis]);
-  const auto dy = static_cast<float>(frame_.ray_dy[axis]);
-  for (int y = 0; y < 8; ++y) {
-    const Float row = all(middle + (static_cast<float>(y) - 3.5f) * dy);
-    float* const inverse = strip_.rows[static_cast<std::size_t>(top + y)].ray[axis].data() + left;
-    for (std::size_t i = 0; i < 8; i += hn::Lanes(kFloats)) {
-      const Float steps = hn::Iota(kFloats, static_cast<float>(i) - 3.5f);
-      const Float ray = hn::Add(row, hn::Mul(steps, all(dx)));
-      const auto along = hn::Lt(hn::Abs(ray), all(SplatFrame::kTinyRay));
-      const Float tiny = hn::CopySign(all(SplatFrame::kTinyRay), ray);
-      hn::Store(hn::Div(all(1), hn::IfThenElse(along, tiny, ray)), kFloats, inverse + i);
-    }
-  }
-}
-
-/// Where a map's rays start: in the plane through the eye across them.
-template <bool kMap>
-void PixelPainter<kMap>::place_starts(std::size_t axis, int left, int top) const {
-  for (int y = top; y < top + 8; ++y) {
-    float* const start = strip_.rows[static_cast<std::size_t>(y)].ray[axis].data();
-    for (int x = left; x < left + 8; ++x) {
-      start[x] =
-          static_cast<float>(frame_.start[axis] + (strip_.x0 + x + 0.5) * frame_.start_dx[axis] +
-                             (y + 0.5) * frame_.start_dy[axis]);
-    }
-  }
 }
 
 template <bool kMap>
@@ -259,11 +179,12 @@ void PixelPainter<kMap>::cast_rays(int depth, TreeChildren children, const Corne
   const std::uint64_t columns = Coverage::columns(rect);
   const bool cells = depth == tile_->depth;
   for (int y = rect.ya; y <= rect.yb; ++y) {
-    std::uint64_t met = 0;
-    for (std::uint64_t open = strip_.coverage.open(y, columns); open != 0; open &= open - 1) {
+    std::uint64_t open = strip_.coverage.open(y, columns), met = 0;
+    if (open == 0) continue;
+    SplatRow& row = row_at(y);
+    for (; open != 0; open &= open - 1) {
       const auto x = static_cast<std::size_t>(std::countr_zero(open));
-      const bool meets =
-          cells ? cast_at_cells(target, row_at(y), x) : cast_at_nodes(target, row_at(y), x);
+      const bool meets = cells ? cast_at_cells(target, row, x) : cast_at_nodes(target, row, x);
       if (meets) met |= open & -open;
     }
     strip_.coverage.draw(y, met);
