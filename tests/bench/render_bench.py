@@ -10,6 +10,7 @@ as they can be.
 
 import contextlib
 import json
+import os
 import pathlib
 import subprocess
 import sys
@@ -54,18 +55,28 @@ def set_with_a_street(place):
         yield services
 
 
+def stolen_ms():
+    """Processor time that the host has given to others, of all processors: where it grows while
+    something is measured, that was slower than the machine is."""
+    with open("/proc/stat", encoding="ascii") as stat:
+        return int(stat.readline().split()[8]) * 1000 / os.sysconf("SC_CLK_TCK")
+
+
 def live_lines(services, name, folder, pace):
+    stolen = stolen_ms()
     with tempfile.TemporaryFile("w+") as out:
         importing = services.begin("publish", folder, "--poses", "poses.txt", "--source", name,
                                    "--json", *pace, stdout=out, stderr=subprocess.DEVNULL)
         shown = run(services, "render_probe", "--view", "street", "--budget", 40, "live")
         services.wait_for(importing)
+        stolen = stolen_ms() - stolen
         out.seek(0)
         published = json.load(out)
     yield from (name + line.removeprefix("live_") for line in shown.splitlines())
     yield f"{name}scans_per_s {published['scans'] / published['seconds']:.4g} scans/s"
     for which in ("mean", "most"):
         yield f"{name}durable_{which}_ms {published[f'durable_after_ms_{which}']:.4g} ms"
+    yield f"{name}stolen_ms {stolen:.4g} ms"
 
 
 def main(arguments):
