@@ -83,6 +83,7 @@ class PixelPainter {
   SplatRow& row_at(int y);
   std::uint64_t draw_row(SplatRow& row, std::uint64_t pixels, std::uint32_t number) const;
   Faces faces_of(const Corner& corner, int edge) const;
+  void clip(std::size_t axis, Float low, Float high, Float ray, Float& in, Float& out) const;
   std::uint32_t meet(const Faces& faces, const SplatRow& row, std::size_t x,
                      std::array<float, 8>& entry) const;
   RayTarget target_of(int depth, TreeChildren children, const Corner& corner) const {
@@ -144,6 +145,20 @@ Faces PixelPainter<kMap>::faces_of(const Corner& corner, int edge) const {
   return faces;
 }
 
+/// The slab test, along one axis: what of a ray, from `in` to `out`, lies between two planes.
+template <bool kMap>
+HWY_INLINE void PixelPainter<kMap>::clip(std::size_t axis, Float low, Float high, Float ray,
+                                         Float& in, Float& out) const {
+  const Float inverse = kMap ? all(frame_.map_inverse[axis]) : ray;
+  if constexpr (kMap) {
+    low = hn::Sub(low, ray);
+    high = hn::Sub(high, ray);
+  }
+  const Float a = hn::Mul(low, inverse), b = hn::Mul(high, inverse);
+  in = hn::Max(in, hn::Min(a, b));
+  out = hn::Min(out, hn::Max(a, b));
+}
+
 /// Which of the children a pixel's ray meets, and where it enters them.
 template <bool kMap>
 HWY_INLINE std::uint32_t PixelPainter<kMap>::meet(const Faces& faces, const SplatRow& row,
@@ -154,16 +169,9 @@ HWY_INLINE std::uint32_t PixelPainter<kMap>::meet(const Faces& faces, const Spla
     Float in = all(frame_.near_z), out = all(frame_.far_z);
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const Float ray = all(row.ray[axis][x]);
-      const Float inverse = kMap ? all(frame_.map_inverse[axis]) : ray;
-      Float low = hn::Load(kFloats, faces.low[axis].data() + i);
-      Float high = hn::Load(kFloats, faces.high[axis].data() + i);
-      if constexpr (kMap) {
-        low = hn::Sub(low, ray);
-        high = hn::Sub(high, ray);
-      }
-      const Float a = hn::Mul(low, inverse), b = hn::Mul(high, inverse);
-      in = hn::Max(in, hn::Min(a, b));
-      out = hn::Min(out, hn::Max(a, b));
+      const Float low = hn::Load(kFloats, faces.low[axis].data() + i);
+      const Float high = hn::Load(kFloats, faces.high[axis].data() + i);
+      clip(axis, low, high, ray, in, out);
     }
     hn::StoreU(in, kFloats, entry.data() + i);
     met |= bits_of(hn::Le(in, out)) << i;
@@ -259,15 +267,7 @@ std::uint64_t PixelPainter<kMap>::draw_row(SplatRow& row, std::uint64_t pixels,
     Float in = all(frame_.near_z), out = all(frame_.far_z);
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const Float ray = hn::LoadU(kFloats, row.ray[axis].data() + x);
-      const Float inverse = kMap ? all(frame_.map_inverse[axis]) : ray;
-      Float low = all(low_[axis]), high = all(high_[axis]);
-      if constexpr (kMap) {
-        low = hn::Sub(low, ray);
-        high = hn::Sub(high, ray);
-      }
-      const Float a = hn::Mul(low, inverse), b = hn::Mul(high, inverse);
-      in = hn::Max(in, hn::Min(a, b));
-      out = hn::Min(out, hn::Max(a, b));
+      clip(axis, all(low_[axis]), all(high_[axis]), ray, in, out);
     }
     const auto hit = hn::And(hn::Le(in, out), mask_of(open));
     met |= std::uint64_t{bits_of(hit)} << x;
