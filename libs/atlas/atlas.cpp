@@ -61,8 +61,8 @@ const ModelParameters& Atlas::parameters() const { return state_->parameters; }
 ShardId Atlas::shard() const { return state_->shard; }
 Epoch Atlas::epoch() const { return state_->epoch; }
 
-Result<std::vector<TileChange>> Atlas::commit(std::span<const ShardScan> scans) {
-  return state_->commit(scans);
+Status Atlas::commit(std::span<const ShardScan> scans, const Tell& tell) {
+  return state_->commit(scans, tell);
 }
 
 Status Atlas::check_scan(const ShardScan& scan) const { return state_->check_scan(scan); }

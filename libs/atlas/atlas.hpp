@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -34,7 +35,7 @@ struct ShardScan {
   std::vector<std::pair<TileKey, Bytes>> deltas;
 };
 
-/// A tile that a commit changed, for updates: its new version and the delta that led there.
+/// A change of a tile, for updates: its new version and the delta that led there.
 struct TileChange {
   TileKey key;
   std::uint64_t version = 0;
@@ -90,13 +91,19 @@ class Atlas {
   ShardId shard() const;
   Epoch epoch() const;
 
+  /// Told of a change, once it is durable and applied. Must not call the atlas.
+  using Tell = std::function<void(const TileChange&)>;
+
   /// All scans with one group commit, durable on return; nothing is applied where it fails.
+  /// Tells of every change once, a tile's in the order of its versions: tile by tile as they are
+  /// applied, so that who is told can work meanwhile.
   /// Where the store does not know what happened (kUnknown, kIo), the journal is read back: here,
   /// or where that fails too, by the next call. Scans found there count as applied: offering them
-  /// again skips them and returns their changes.
+  /// again skips them and tells of their changes, but for those that were told already.
   /// Errors: kCorrupt for a delta that does not decode, kOutOfRange for a tile not of this grid or
   ///         shard (refuse such a scan before, by check_scan), and the store's.
-  Result<std::vector<TileChange>> commit(std::span<const ShardScan> scans);
+  Status commit(
+      std::span<const ShardScan> scans, const Tell& tell = [](const TileChange&) {});
   /// What commit would say of this scan alone, without doing it; not of its place in the order,
   /// as its predecessors may still wait.
   Status check_scan(const ShardScan& scan) const;

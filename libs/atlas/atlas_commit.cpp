@@ -140,9 +140,9 @@ Status Atlas::State::apply(TileKey key, ByteView bytes, JournalPosition position
 
 /// Tile by tile, each with the deltas of all scans, so that it is read and written once where not
 /// all of them fit into memory; and from the other end each time, as those that came last are still
-/// there. The changes are told scan by scan.
+/// there.
 Status Atlas::State::apply_all(const std::vector<const ShardScan*>& scans, JournalPosition first,
-                               Versions versions, std::vector<TileChange>& changes) {
+                               Versions versions, const Tell& tell) {
   struct Step {
     TileKey key;
     JournalPosition position;
@@ -159,21 +159,29 @@ Status Atlas::State::apply_all(const std::vector<const ShardScan*>& scans, Journ
   });
   for (const auto& step : steps) {
     if (auto ok = apply(step.key, step.delta, step.position); !ok) return ok;
+    report({step.key, ++versions.at(step.key), Bytes(step.delta.begin(), step.delta.end())}, tell);
   }
-  for (const auto* scan : scans) {
-    for (const auto& [key, bytes] : scan->deltas) {
-      changes.push_back({key, ++versions.at(key), bytes});
-    }
-    marks[{scan->source, scan->session}] = scan->seq;
-  }
+  for (const auto* scan : scans) marks[{scan->source, scan->session}] = scan->seq;
   counts.scans_applied += scans.size();
   return {};
 }
 
+void Atlas::State::report(const TileChange& change, const Tell& tell) {
+  tell(change);
+  told[change.key] = change.version;
+}
+
+/// All that is in the journal and was not told yet has been applied: by a recovery, or just now.
+void Atlas::State::report_rest(const Tell& tell) {
+  for (const auto& change : std::exchange(unreported, {})) tell(change);
+  reported = std::max(reported, journal.last());
+  told.clear();
+}
+
 /// After an append whose outcome is not known, or an apply that failed: asks the store. If it has
 /// these scans, all is well; otherwise the error stands, and the next call asks again.
-Result<std::vector<TileChange>> Atlas::State::read_back(const std::vector<const ShardScan*>& scans,
-                                                        Error error) {
+Status Atlas::State::read_back(const std::vector<const ShardScan*>& scans, Error error,
+                               const Tell& tell) {
   stale = true;
   if (auto recovered = recover(); !recovered) {
     error.message += "; reading back: " + recovered.error().message;
@@ -184,17 +192,17 @@ Result<std::vector<TileChange>> Atlas::State::read_back(const std::vector<const 
       return tl::unexpected(std::move(error));
     }
   }
-  reported = journal.last();
-  return std::exchange(unreported, {});
+  report_rest(tell);
+  return {};
 }
 
-Result<std::vector<TileChange>> Atlas::State::commit(std::span<const ShardScan> scans) {
+Status Atlas::State::commit(std::span<const ShardScan> scans, const Tell& tell) {
   if (auto ok = settle(); !ok) return pass_on(ok);
   auto fresh = fresh_scans(scans);
   if (!fresh) return pass_on(fresh);
   if (fresh->empty()) {
-    reported = std::max(reported, journal.last());
-    return std::exchange(unreported, {});
+    report_rest(tell);
+    return {};
   }
   if (auto ok = make_room(); !ok) return pass_on(ok);
   auto versions = current_versions(*fresh);
@@ -203,15 +211,15 @@ Result<std::vector<TileChange>> Atlas::State::commit(std::span<const ShardScan> 
   if (!first) {
     const auto code = first.error().code;
     if (code != ErrorCode::kUnknown && code != ErrorCode::kIo) return pass_on(first);
-    return read_back(*fresh, std::move(first.error()));
+    return read_back(*fresh, std::move(first.error()), tell);
   }
-  auto changes = std::exchange(unreported, {});
-  if (auto applied = apply_all(*fresh, *first, std::move(*versions), changes); !applied) {
-    return read_back(*fresh, std::move(applied.error()));
+  for (const auto& change : std::exchange(unreported, {})) report(change, tell);
+  if (auto applied = apply_all(*fresh, *first, std::move(*versions), tell); !applied) {
+    return read_back(*fresh, std::move(applied.error()), tell);
   }
-  reported = journal.last();
+  report_rest(tell);
   if (auto ok = keep_journal(); !ok) say_behind(ok.error());
-  return changes;
+  return {};
 }
 
 }  // namespace voxatlas

@@ -71,7 +71,8 @@ Result<bool> Atlas::State::redo_delta(JournalPosition position, const JournalDel
   auto tile = load(delta.key);
   if (!tile) return pass_on(tile);
   const std::uint64_t version = *tile == nullptr ? 0 : (*tile)->version;
-  if (position > reported) {
+  const auto before = told.find(delta.key);
+  if (position > reported && (before == told.end() || delta.version > before->second)) {
     unreported.push_back({delta.key, delta.version, Bytes(delta.delta.begin(), delta.delta.end())});
   }
   if (delta.version <= version) return false;

@@ -46,10 +46,12 @@ struct Atlas::State {
   /// A write's outcome is not known, or a durable record could not be applied: what is in memory
   /// counts for nothing until recover() has read the store again.
   bool stale = false;
-  /// The last record whose changes a commit has returned; those after it that a recovery finds
-  /// wait in `unreported` for the next commit. While opening, all count as reported: whoever
-  /// subscribed before asks for snapshots anyway.
+  /// The last record of which a commit has told every change; of those after it `told` has the
+  /// versions up to which it has, and changes that a recovery finds beyond these wait in
+  /// `unreported` for the next commit. While opening, all count as reported: whoever subscribed
+  /// before asks for snapshots anyway.
   JournalPosition reported = std::numeric_limits<JournalPosition>::max();
+  Versions told;
   std::vector<TileChange> unreported;
 
   bool ascending = false;  ///< The order of tiles in which the last commit was applied.
@@ -67,7 +69,7 @@ struct Atlas::State {
 
   // atlas_commit.cpp
   std::int64_t mark(const Session& session) const;
-  Result<std::vector<TileChange>> commit(std::span<const ShardScan> scans);
+  Status commit(std::span<const ShardScan> scans, const Tell& tell);
   Status check_scan(const ShardScan& scan) const;
   Status check_place(const ShardScan& scan, TileKey key) const;
   /// Those that are no duplicates, checked.
@@ -76,10 +78,11 @@ struct Atlas::State {
   Status make_room();
   Result<JournalPosition> append(const std::vector<const ShardScan*>& scans, Versions versions);
   Status apply_all(const std::vector<const ShardScan*>& scans, JournalPosition first,
-                   Versions versions, std::vector<TileChange>& changes);
+                   Versions versions, const Tell& tell);
   Status apply(TileKey key, ByteView bytes, JournalPosition position);
-  Result<std::vector<TileChange>> read_back(const std::vector<const ShardScan*>& scans,
-                                            Error error);
+  Status read_back(const std::vector<const ShardScan*>& scans, Error error, const Tell& tell);
+  void report(const TileChange& change, const Tell& tell);
+  void report_rest(const Tell& tell);
 
   // atlas_flush.cpp
   Status write_oldest(std::size_t max_tiles);

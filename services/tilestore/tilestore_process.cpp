@@ -234,26 +234,24 @@ Status TilestoreProcess::publish(const tile_update_t& update) {
 
 Status TilestoreProcess::commit(std::int64_t now) {
   if (now < retry_commit_at_) return {};
-  auto outcome = service_->commit();
-  if (!outcome && outcome.error().code == ErrorCode::kNoSpace) {
-    if (retry_commit_at_ == 0) log_error("no room on disk, waiting: {}", outcome.error().message);
+  Status published;
+  auto done = service_->commit([&](const tile_update_t& update) {
+    if (published) published = publish(update);
+  });
+  if (!done && done.error().code == ErrorCode::kNoSpace) {
+    if (retry_commit_at_ == 0) log_error("no room on disk, waiting: {}", done.error().message);
     status_->set_state(false, "no room on disk");
     retry_commit_at_ = now + 1'000'000;
     return {};
   }
-  if (!outcome) return pass_on(outcome);
+  if (!done) return pass_on(done);
   if (retry_commit_at_ != 0) {
     log_info("there is room on disk again");
     status_->set_state(true, "ready");
     retry_commit_at_ = 0;
   }
-  for (const auto& done : outcome->acknowledged) {
-    in_->consumer().commit(done.session, done.number);
-  }
-  for (const auto& update : outcome->updates) {
-    if (auto sent = publish(update); !sent) return sent;
-  }
-  return {};
+  for (const auto& stream : *done) in_->consumer().commit(stream.session, stream.number);
+  return published;
 }
 
 StatusCounters TilestoreProcess::counters() const {

@@ -74,22 +74,21 @@ Result<ShardScan> TilestoreService::to_shard_scan(const scan_delta_t& message) c
   return scan;
 }
 
-Result<TilestoreService::Outcome> TilestoreService::commit() {
-  Outcome outcome;
+Result<std::vector<TilestoreService::Acknowledgement>> TilestoreService::commit(
+    const Publish& publish) {
   if (!ready_.empty()) {
-    auto changes = atlas_.commit(ready_);
-    if (!changes) return pass_on(changes);
+    std::int64_t durable = 0;  // All of them since before the first was told of.
+    auto committed = atlas_.commit(ready_, [&](const TileChange& change) {
+      if (durable == 0) durable = utime_now();
+      publish(to_update(change.key, change.version, durable, kDeltaContent, change.delta));
+    });
+    if (!committed) return pass_on(committed);
     ++counters_.commits;
     for (const auto& scan : ready_) marks_.note(scan.source, scan.session, scan.seq);
     ready_.clear();
     ready_bytes_ = 0;
-    outcome.updates.reserve(changes->size());
-    for (const auto& change : *changes) {
-      outcome.updates.push_back(to_update(change.key, change.version, kDeltaContent, change.delta));
-    }
   }
-  outcome.acknowledged = acknowledge();
-  return outcome;
+  return acknowledge();
 }
 
 std::vector<TilestoreService::Acknowledgement> TilestoreService::acknowledge() {
@@ -107,10 +106,10 @@ std::vector<TilestoreService::Acknowledgement> TilestoreService::acknowledge() {
   return result;
 }
 
-tile_update_t TilestoreService::to_update(TileKey key, std::uint64_t version, std::int8_t content,
-                                          const Bytes& payload) const {
+tile_update_t TilestoreService::to_update(TileKey key, std::uint64_t version, std::int64_t durable,
+                                          std::int8_t content, const Bytes& payload) const {
   tile_update_t update{};
-  update.utime = utime_now();
+  update.utime = durable;
   update.tile = static_cast<std::int64_t>(key.morton());
   update.version = static_cast<std::int64_t>(version);
   update.shard = static_cast<std::int32_t>(atlas_.shard());
@@ -140,7 +139,7 @@ std::optional<tile_update_t> TilestoreService::take(const tile_encoded_t& messag
   ++(*taken ? counters_.encoded_taken : counters_.encoded_stale);
   if (!*taken || **taken == version) return std::nullopt;
   ++counters_.encoded_lossy;
-  return to_update(*key, **taken, kTileContent, message.payload);
+  return to_update(*key, **taken, utime_now(), kTileContent, message.payload);
 }
 
 }  // namespace voxatlas

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -39,13 +40,12 @@ class TilestoreService {
     std::int64_t session = 0;
     std::int64_t number = 0;
   };
-  struct Outcome {
-    std::vector<Acknowledgement> acknowledged;  ///< Streams, each up to a message.
-    std::vector<tile_update_t> updates;         ///< Durable already.
-  };
-  /// Applies all that is in order with one group commit.
+  /// Applies all that is in order with one group commit. Calls publish(update) for each change as
+  /// soon as it is durable and applied, tile by tile. Returns what is done: streams, each up to a
+  /// message.
   /// Errors: kNoSpace: nothing is lost, call again later. Any other: this process must not go on.
-  Result<Outcome> commit();
+  using Publish = std::function<void(const tile_update_t&)>;
+  Result<std::vector<Acknowledgement>> commit(const Publish& publish);
 
   /// A compressor's result. Taken, stale, or wrong: counted, and logged where it is wrong. Returns
   /// what to publish where a lossy one has become a version of its own; it is durable already.
@@ -72,8 +72,8 @@ class TilestoreService {
   };
   Result<ShardScan> to_shard_scan(const scan_delta_t& message) const;
   std::vector<Acknowledgement> acknowledge();
-  tile_update_t to_update(TileKey key, std::uint64_t version, std::int8_t content,
-                          const Bytes& payload) const;
+  tile_update_t to_update(TileKey key, std::uint64_t version, std::int64_t durable,
+                          std::int8_t content, const Bytes& payload) const;
 
   Atlas& atlas_;
   std::size_t commit_bytes_;

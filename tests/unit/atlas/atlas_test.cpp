@@ -1,6 +1,7 @@
 #include "atlas/atlas.hpp"
 
 #include <catch2/catch.hpp>
+#include <map>
 
 #include "atlas_world.hpp"
 #include "codec/tile_codec.hpp"
@@ -42,7 +43,7 @@ TEST_CASE("thousands of tiles pass through a small cache, and none is lost", "[a
       std::vector<TileKey> keys;  // More than the cache holds, in one scan.
       for (std::uint64_t code = first; code < first + 250; ++code) keys.push_back(key(code));
       const auto scan = small_scan(seq++, keys);
-      REQUIRE(atlas->commit({&scan, 1}).value().size() == 250);
+      REQUIRE(test::changes_of(*atlas, {&scan, 1}).value().size() == 250);
       REQUIRE(atlas->stats().cached_bytes <= options.cache_bytes);
       REQUIRE(atlas->stats().journal_bytes <= options.journal_max_bytes);
     }
@@ -124,13 +125,68 @@ TEST_CASE("any number of scans is one append", "[atlas]") {
   });
   std::vector<ShardScan> scans;
   for (std::int64_t seq = 0; seq < 20; ++seq) scans.push_back(small_scan(seq, {key(1), key(9)}));
-  const auto changes = atlas->commit(scans).value();
+  const auto changes = test::changes_of(*atlas, scans).value();
   REQUIRE(appends == 1);
   REQUIRE(changes.size() == 40);
   REQUIRE(changes.back().version == 20);
-  REQUIRE(atlas->commit(scans).value().empty());
+  REQUIRE(test::changes_of(*atlas, scans).value().empty());
   REQUIRE(appends == 1);
   REQUIRE(atlas->stats().scans_applied == 20);
+}
+
+TEST_CASE("changes are told tile by tile, each once it is durable and applied", "[atlas]") {
+  MemoryStore store;
+  auto atlas = open_atlas(store);
+  std::vector<ShardScan> scans;
+  for (std::int64_t seq = 0; seq < 5; ++seq) scans.push_back(small_scan(seq, {key(1), key(9)}));
+  std::vector<std::pair<TileKey, std::uint64_t>> told;
+  const auto done = atlas->commit(scans, [&](const TileChange& change) {
+    told.emplace_back(change.key, change.version);
+    std::size_t records = 0;
+    const auto read = store.replay(0, [&](JournalPosition, ByteView) {
+      ++records;
+      return Status{};
+    });
+    REQUIRE(read.has_value());
+    REQUIRE(records == 5);
+    REQUIRE(atlas->stats().deltas_applied == told.size());
+  });
+  REQUIRE(done.has_value());
+  REQUIRE(told.size() == 10);
+  for (std::size_t i = 0; i < told.size(); ++i) {
+    REQUIRE(told[i].first == told[i / 5 * 5].first);
+    REQUIRE(told[i].second == i % 5 + 1);
+  }
+}
+
+TEST_CASE("a change that was told is not told again when the rest could not be applied",
+          "[atlas]") {
+  AtlasOptions tight;
+  tight.cache_bytes = 1;  // Every tile is read when its turn comes.
+  MemoryStore store;
+  auto atlas = open_atlas(store, tight);
+  const std::vector<TileKey> keys{key(1), key(5), key(9)};
+  const auto first = small_scan(0, keys);
+  REQUIRE(atlas->commit({&first, 1}).has_value());
+  REQUIRE(atlas->flush().has_value());
+  const auto scan = small_scan(1, keys);
+  std::map<TileKey, int> told;
+  const auto tell = [&](const TileChange& change) {
+    REQUIRE(change.version == 2);
+    ++told[change.key];
+  };
+  bool broken = false;
+  store.inject([&](StoreCall call) -> std::optional<StoreFault> {
+    broken = broken || (call == StoreCall::kRead && told.size() == 1);
+    if (!broken || call == StoreCall::kAppend) return std::nullopt;
+    return StoreFault{ErrorCode::kIo, false};
+  });
+  REQUIRE_FALSE(atlas->commit({&scan, 1}, tell).has_value());
+  REQUIRE(told.size() == 1);
+  store.inject({});
+  REQUIRE(atlas->commit({&scan, 1}, tell).has_value());
+  REQUIRE(told.size() == 3);
+  for (const auto& [tile, times] : told) REQUIRE(times == 1);
 }
 
 TEST_CASE("a gap is refused, and nothing before it in the commit is applied", "[atlas]") {
@@ -220,7 +276,7 @@ TEST_CASE("a version goes on after a tombstone", "[atlas]") {
   REQUIRE(atlas->list(key(0), 10).value().empty());
   REQUIRE(atlas->encoded(key(5)).error().code == ErrorCode::kNotFound);
   const auto scan = small_scan(0, {key(5)});
-  REQUIRE(atlas->commit({&scan, 1}).value().front().version == 42);
+  REQUIRE(test::changes_of(*atlas, {&scan, 1}).value().front().version == 42);
   REQUIRE(atlas->list(key(0), 10).value().front().version == 42);
 }
 
@@ -237,16 +293,17 @@ TEST_CASE("a full disk stops new scans, and a freed one lets them on", "[atlas]"
   for (;; ++seq) {
     REQUIRE(seq < 200);
     const auto scan = small_scan(seq, {key(1), key(2)});
-    const auto changes = atlas->commit({&scan, 1});
-    if (changes) continue;
-    REQUIRE(changes.error().code == ErrorCode::kNoSpace);
+    const auto done = atlas->commit({&scan, 1});
+    if (done) continue;
+    REQUIRE(done.error().code == ErrorCode::kNoSpace);
     break;
   }
   REQUIRE(seq > 5);
   REQUIRE(atlas->mark("car", 1) == seq - 1);
   store.inject({});
   const auto scan = small_scan(seq, {key(1), key(2)});
-  REQUIRE(atlas->commit({&scan, 1}).value().front().version == static_cast<std::uint64_t>(seq) + 1);
+  REQUIRE(test::changes_of(*atlas, {&scan, 1}).value().front().version ==
+          static_cast<std::uint64_t>(seq) + 1);
   REQUIRE(atlas->stats().journal_bytes <= options.journal_max_bytes);
 }
 
@@ -382,7 +439,7 @@ TEST_CASE("a lossy put that may have happened is read back", "[atlas]") {
     auto expected = applied ? decode_tile(bytes).value() : two_hits();
     REQUIRE(*atlas->tile(key(1)).value().tree == expected);
     const auto next = small_scan(3, {key(1)});
-    REQUIRE(atlas->commit({&next, 1}).value().front().version == (applied ? 5 : 4));
+    REQUIRE(test::changes_of(*atlas, {&next, 1}).value().front().version == (applied ? 5 : 4));
     expected.hit(CellKey{kDepth, 4711}, SensorModel::standard());
     atlas = open_atlas(store);
     REQUIRE(*atlas->tile(key(1)).value().tree == expected);

@@ -87,7 +87,17 @@ std::string World::difference(Atlas& atlas) const {
   return {};
 }
 
-bool same(const std::vector<TileChange>& a, const std::vector<TileChange>& b) {
+Result<std::vector<TileChange>> changes_of(Atlas& atlas, std::span<const ShardScan> scans) {
+  std::vector<TileChange> changes;
+  auto done = atlas.commit(scans, [&](const TileChange& change) { changes.push_back(change); });
+  if (!done) return pass_on(done);
+  return changes;
+}
+
+bool same(std::vector<TileChange> a, std::vector<TileChange> b) {
+  for (auto* changes : {&a, &b}) {
+    std::ranges::stable_sort(*changes, {}, &TileChange::key);
+  }
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const auto& x, const auto& y) {
     return x.key == y.key && x.version == y.version && x.delta == y.delta;
   });

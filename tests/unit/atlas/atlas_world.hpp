@@ -49,6 +49,10 @@ class World {
   std::map<std::pair<std::string, std::int64_t>, std::int64_t> marks_;
 };
 
-bool same(const std::vector<TileChange>& a, const std::vector<TileChange>& b);
+/// Commits, and returns all that the atlas told of meanwhile.
+Result<std::vector<TileChange>> changes_of(Atlas& atlas, std::span<const ShardScan> scans);
+
+/// Whether these are the same changes, each tile's in the same order.
+bool same(std::vector<TileChange> a, std::vector<TileChange> b);
 
 }  // namespace voxatlas::test

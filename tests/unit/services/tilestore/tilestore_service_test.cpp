@@ -5,6 +5,7 @@
 #include <map>
 #include <set>
 
+#include "base/utime.hpp"
 #include "codec/tile_codec.hpp"
 #include "octree/tile_hash.hpp"
 #include "store/memory_store.hpp"
@@ -66,10 +67,25 @@ std::map<std::uint64_t, TileTree> applied_in_order(const std::vector<scan_delta_
   return trees;
 }
 
+struct Outcome {
+  std::vector<TilestoreService::Acknowledgement> acknowledged;
+  std::vector<tile_update_t> updates;
+};
+
+Outcome commit(TilestoreService& service) {
+  Outcome outcome;
+  auto done =
+      service.commit([&](const tile_update_t& update) { outcome.updates.push_back(update); });
+  outcome.acknowledged = done.value();
+  return outcome;
+}
+
 struct Fixture {
   MemoryStore store;
   std::unique_ptr<Atlas> atlas = Atlas::open(store, 0, {}, {}).value();
   TilestoreService service{*atlas};
+
+  Outcome commit() { return voxatlas::commit(service); }
 };
 
 TEST_CASE("deltas in any order, doubled, by several streams, make the model of their order",
@@ -87,9 +103,7 @@ TEST_CASE("deltas in any order, doubled, by several streams, make the model of t
   for (const auto& message : arrivals) {
     const std::int64_t stream = 1 + static_cast<std::int64_t>(rng() % 3);
     set.service.take(message, stream, sent[stream]++);
-    const auto outcome = set.service.commit();
-    REQUIRE(outcome.has_value());
-    for (const auto& done : outcome->acknowledged) {
+    for (const auto& done : set.commit().acknowledged) {
       REQUIRE(done.number >= acknowledged[done.session]);
       acknowledged[done.session] = done.number + 1;
     }
@@ -109,11 +123,11 @@ TEST_CASE("a delta is acknowledged only when every scan before it is applied", "
   auto rng = test::engine();
   Fixture set;
   set.service.take(random_delta(rng, 1), 5, 0);
-  REQUIRE(set.service.commit()->acknowledged.empty());
+  REQUIRE(set.commit().acknowledged.empty());
   REQUIRE(set.atlas->mark("car", 9) == -1);
   set.service.take(random_delta(rng, 0), 6, 0);
-  const auto outcome = set.service.commit();
-  REQUIRE(outcome->acknowledged.size() == 2);
+  const auto outcome = set.commit();
+  REQUIRE(outcome.acknowledged.size() == 2);
   REQUIRE(set.atlas->mark("car", 9) == 1);
 }
 
@@ -123,13 +137,30 @@ TEST_CASE("updates tell each tile's new version, one more each time", "[tilestor
   std::map<std::int64_t, std::int64_t> versions;
   for (std::int64_t seq = 0; seq < 20; ++seq) {
     set.service.take(random_delta(rng, seq), 5, seq);
-    const auto outcome = set.service.commit();
-    for (const auto& update : outcome->updates) {
+    const auto outcome = set.commit();
+    for (const auto& update : outcome.updates) {
       REQUIRE(update.version == ++versions[update.tile]);
       REQUIRE(update.content == 1);
       REQUIRE(decode_delta(update.payload).has_value());
     }
   }
+}
+
+TEST_CASE("all updates of a commit say when it became durable, not when they were sent",
+          "[tilestore]") {
+  auto rng = test::engine();
+  Fixture set;
+  for (std::int64_t seq = 0; seq < 8; ++seq) set.service.take(random_delta(rng, seq), 5, seq);
+  std::int64_t first = 0, count = 0;
+  const auto done = set.service.commit([&](const tile_update_t& update) {
+    if (first == 0) first = update.utime;
+    REQUIRE(update.utime == first);
+    ++count;
+    while (utime_now() == first) {  // Until the clock shows another time than the first's.
+    }
+  });
+  REQUIRE(done.has_value());
+  REQUIRE(count > 1);
 }
 
 tile_encoded_t encoded_of(Atlas& atlas, TileKey key, const CodecOptions& how) {
@@ -151,7 +182,7 @@ TEST_CASE("a lossy result is a version of its own, told as a whole tile, and liv
         static_cast<std::uint64_t>(seq % 5));  // Voxels seen twice, others thrice.
     set.service.take(random_delta(again, seq), 5, seq);
   }
-  REQUIRE(set.service.commit().has_value());
+  set.commit();
   const CodecOptions one_bit{TileCodec::kLossy, 0, {1, 5}};
   std::uint32_t x = 0;  // The first tile that one bit changes.
   while (quantize(*set.atlas->tile(tile(x)).value().tree, one_bit.lossy) ==
@@ -178,7 +209,7 @@ TEST_CASE("a lossy result is a version of its own, told as a whole tile, and liv
 
   const auto next = random_delta(rng, 12);
   set.service.take(next, 5, 12);
-  REQUIRE(set.service.commit().has_value());
+  set.commit();
   for (const auto& [key, bytes] : deltas_of(next)) {
     if (key == key_of_it) expected.apply(*decode_delta(bytes), SensorModel::standard());
   }
@@ -192,7 +223,7 @@ TEST_CASE("an exact result keeps the version, and nobody is told", "[tilestore]"
   auto rng = test::engine();
   Fixture set;
   for (std::int64_t seq = 0; seq < 12; ++seq) set.service.take(random_delta(rng, seq), 5, seq);
-  REQUIRE(set.service.commit().has_value());
+  set.commit();
   const auto exact = encoded_of(*set.atlas, tile(3), {TileCodec::kDense});
   REQUIRE_FALSE(set.service.take(exact).has_value());
   REQUIRE(set.service.counters().encoded_taken == 1);
@@ -214,12 +245,12 @@ TEST_CASE("deltas of another model or shard, or that do not decode, are never ac
   SECTION("tiles") { ++message.tiles; }
   Fixture set;
   set.service.take(message, 5, 0);
-  REQUIRE(set.service.commit()->acknowledged.empty());
+  REQUIRE(set.commit().acknowledged.empty());
   REQUIRE(set.service.counters().refused == 1);
   REQUIRE(set.atlas->mark("car", 9) == -1);
   // The right one, by another stream, still finds its place.
   set.service.take(random_delta(rng, 0), 6, 0);
-  REQUIRE(set.service.commit()->acknowledged.size() == 1);
+  REQUIRE(set.commit().acknowledged.size() == 1);
 }
 
 TEST_CASE("a restarted store goes on from its marks", "[tilestore]") {
@@ -230,15 +261,15 @@ TEST_CASE("a restarted store goes on from its marks", "[tilestore]") {
     auto atlas = Atlas::open(store, 0, {}, {}).value();
     TilestoreService service(*atlas);
     service.take(first, 5, 0);
-    REQUIRE(service.commit()->acknowledged.size() == 1);
+    REQUIRE(commit(service).acknowledged.size() == 1);
   }  // No flush: as a kill would leave it.
   auto atlas = Atlas::open(store, 0, {}, {}).value();
   TilestoreService service(*atlas);
   service.take(first, 7, 0);
   REQUIRE(service.counters().duplicates == 1);
-  REQUIRE(service.commit()->acknowledged.size() == 1);
+  REQUIRE(commit(service).acknowledged.size() == 1);
   service.take(random_delta(rng, 1), 7, 1);
-  REQUIRE(service.commit()->acknowledged.at(0).number == 1);
+  REQUIRE(commit(service).acknowledged.at(0).number == 1);
 }
 
 }  // namespace
