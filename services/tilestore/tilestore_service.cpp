@@ -16,14 +16,14 @@ static constexpr std::int8_t kDeltaContent = 1, kTileContent = 2;
 
 TilestoreService::TilestoreService(Atlas& atlas, std::size_t commit_bytes)
     : atlas_(atlas),
-      commit_bytes_(std::min(commit_bytes, kMaxCommitBytes)),
+      pace_(std::min(commit_bytes, kMaxCommitBytes)),
       parameters_id_(parameters_id(atlas.parameters())) {
   const auto marks = atlas.marks();
   order_.start_from(marks);
   for (const auto& mark : marks) marks_.note(mark.source, mark.session, mark.seq);
 }
 
-bool TilestoreService::has_room() const { return ready_bytes_ < commit_bytes_; }
+bool TilestoreService::has_room() const { return ready_bytes_ < pace_.bytes(); }
 
 void TilestoreService::take(const scan_delta_t& message, std::int64_t session,
                             std::int64_t number) {
@@ -77,12 +77,16 @@ Result<ShardScan> TilestoreService::to_shard_scan(const scan_delta_t& message) c
 Result<std::vector<TilestoreService::Acknowledgement>> TilestoreService::commit(
     const Publish& publish) {
   if (!ready_.empty()) {
-    std::int64_t durable = 0;  // All of them since before the first was told of.
+    std::int64_t durable = 0, began = 0;  // All of them since before the first was told of.
     auto committed = atlas_.commit(ready_, [&](const TileChange& change) {
-      if (durable == 0) durable = utime_now();
+      if (durable == 0) {
+        durable = utime_now();
+        began = steady_utime();
+      }
       publish(to_update(change.key, change.version, durable, kDeltaContent, change.delta));
     });
     if (!committed) return pass_on(committed);
+    if (durable > 0) pace_.applied(ready_bytes_, steady_utime() - began);
     ++counters_.commits;
     for (const auto& scan : ready_) marks_.note(scan.source, scan.session, scan.seq);
     ready_.clear();

@@ -13,6 +13,7 @@
 #include "atlas/scan_order.hpp"
 #include "bus/status_counters.hpp"
 #include "bus/wire.hpp"
+#include "tilestore/commit_pace.hpp"
 
 namespace voxatlas {
 
@@ -76,7 +77,7 @@ class TilestoreService {
                           std::int8_t content, const Bytes& payload) const;
 
   Atlas& atlas_;
-  std::size_t commit_bytes_;
+  CommitPace pace_;
   std::int64_t parameters_id_;
   ScanOrder order_;
   std::vector<ShardScan> ready_;  ///< In order, not yet durable.
