@@ -59,14 +59,36 @@ HWY_ATTR void update_brick(Brick& brick, const VoxelMask& misses, const VoxelMas
   }
 }
 
-HWY_ATTR VoxelMask equal_voxels(const Brick& brick, LogOdds log_odds) {
+/// The lanes of a layer that are set, as a word of a mask.
+template <class Test>
+HWY_ATTR std::uint64_t word_of(const LogOdds* layer, const Test& test) {
   const Lanes d;
-  const auto wanted = hn::Set(d, log_odds);
-  VoxelMask result{};
-  for (std::size_t i = 0; i < kBrickVoxels; i += kLanes) {
+  std::uint64_t word = 0;
+  for (std::size_t i = 0; i < 64; i += kLanes) {
     std::array<std::uint8_t, 8> bits{};  // Of at most 16 lanes; Highway may write a whole word.
-    hn::StoreMaskBits(d, hn::Eq(hn::Load(d, brick.log_odds.data() + i), wanted), bits.data());
-    result[i / 64] |= (bits[0] | std::uint64_t{bits[1]} << 8) << i % 64;
+    hn::StoreMaskBits(d, test(hn::Load(d, layer + i)), bits.data());
+    word |= (bits[0] | std::uint64_t{bits[1]} << 8) << i;
+  }
+  return word;
+}
+
+HWY_ATTR VoxelMask equal_voxels(const Brick& brick, LogOdds log_odds) {
+  const auto wanted = hn::Set(Lanes(), log_odds);
+  VoxelMask result;
+  for (std::size_t z = 0; z < 8; ++z) {
+    result[z] = word_of(brick.log_odds.data() + 64 * z,
+                        [&](auto lanes) HWY_ATTR { return hn::Eq(lanes, wanted); });
+  }
+  return result;
+}
+
+HWY_ATTR VoxelMask free_voxels(const Brick& brick, const VoxelMask& voxels) {
+  VoxelMask result{};
+  for (std::size_t z = 0; z < 8; ++z) {
+    if (voxels[z] == 0) continue;
+    result[z] = voxels[z] & word_of(brick.log_odds.data() + 64 * z, [](auto lanes) HWY_ATTR {
+                  return hn::Lt(lanes, hn::Zero(Lanes()));
+                });
   }
   return result;
 }
@@ -127,12 +149,10 @@ VoxelMask equal_to(const Brick& brick, LogOdds log_odds) {
   return HWY_DYNAMIC_DISPATCH(equal_voxels)(brick, log_odds);
 }
 
+HWY_EXPORT(free_voxels);
+
 VoxelMask free_among(const Brick& brick, const VoxelMask& voxels) {
-  VoxelMask result{};
-  for_each_bit(voxels, [&](unsigned voxel) {
-    if (brick.log_odds[voxel] < 0) result[voxel >> 6] |= std::uint64_t{1} << (voxel & 63);
-  });
-  return result;
+  return HWY_DYNAMIC_DISPATCH(free_voxels)(brick, voxels);
 }
 
 }  // namespace voxatlas

@@ -5,18 +5,22 @@
 #include <vector>
 
 #include "octree/tile_tree.hpp"
+#include "render/cell_paint.hpp"
 
 namespace voxatlas {
 
-/// A node of a tile's canonical octree with anything occupied inside.
-struct OccupiedNode {
-  std::uint32_t code = 0;  ///< Morton code among the cells of its depth.
-  CellState state;         ///< As TileTree::cell gives it.
+/// The nodes of one depth of a tile's canonical octree with anything occupied inside, in Morton
+/// order: as many of each.
+struct NodesOfDepth {
+  std::vector<CellPaint> paints;  ///< Of their states, as TileTree::cell gives them.
+  /// Which of their children are among the next depth's nodes, a bit each; and their Morton codes
+  /// among the cells of their depth. Both only above the last depth that was asked for.
+  std::vector<std::uint8_t> octants;
+  std::vector<std::uint32_t> codes;
 };
 
-/// All of them down to a depth, depth by depth, each in Morton order. Unlike
-/// TileTree::for_each_cell, which goes through the tile once a depth, this does it once for all.
-std::array<std::vector<OccupiedNode>, kDepth + 1> occupied_nodes(const TileTree& tree,
-                                                                 int max_depth);
+/// All of them down to a depth. Unlike TileTree::for_each_cell, which goes through the tile once a
+/// depth, this does it once for all.
+std::array<NodesOfDepth, kDepth + 1> occupied_nodes(const TileTree& tree, int max_depth);
 
 }  // namespace voxatlas

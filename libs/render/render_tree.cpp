@@ -13,19 +13,16 @@ RenderTree::RenderTree(const TileTree& tree, std::uint64_t version, int max_dept
   VOX_CHECK(max_depth >= 0 && max_depth <= kDepth);
   const auto nodes = occupied_nodes(tree, max_depth);
   std::size_t count = 0;
-  for (const auto& of_depth : nodes) count += of_depth.size();
+  for (const auto& of_depth : nodes) count += of_depth.paints.size();
   paints_.reserve(count);
+  std::vector<std::uint8_t> octants;
   for (std::size_t depth = 0; depth < nodes.size(); ++depth) {
     begin_[depth] = node_count();
-    for (const OccupiedNode& node : nodes[depth]) {
-      paints_.emplace_back(node.state);
-    }
-    if (depth > 0 && depth <= static_cast<std::size_t>(max_depth)) {
-      add_links(nodes[depth - 1], nodes[depth]);
-    }
+    paints_.insert(paints_.end(), nodes[depth].paints.begin(), nodes[depth].paints.end());
+    octants.insert(octants.end(), nodes[depth].octants.begin(), nodes[depth].octants.end());
   }
   begin_[kDepth + 1] = node_count();
-  links_.shrink_to_fit();
+  link(octants);
   count_cells();
   const auto keep = [&](std::uint32_t old, std::uint32_t node, std::uint32_t run) {
     for (std::uint32_t i = 0; i < run; ++i) {
@@ -50,19 +47,14 @@ void RenderTree::set_normals(const TreesAround& around, const CellsWanted& wante
   });
 }
 
-void RenderTree::add_links(std::span<const OccupiedNode> above,
-                           std::span<const OccupiedNode> nodes) {
-  const std::uint32_t child = node_count() - static_cast<std::uint32_t>(nodes.size());
-  std::uint32_t node = child - static_cast<std::uint32_t>(above.size());
-  std::size_t next = 0;
-  for (const OccupiedNode& parent : above) {
-    if (node % 8 == 0) links_.push_back({{}, child + static_cast<std::uint32_t>(next)});
-    std::uint32_t octants = 0;
-    for (; next < nodes.size() && nodes[next].code >> 3 == parent.code; ++next) {
-      octants |= 1u << (nodes[next].code & 7);
-    }
-    links_.back().octants[node / 4 % 2] |= octants << node % 4 * 8;
-    ++node;
+void RenderTree::link(std::span<const std::uint8_t> octants) {
+  links_.resize((octants.size() + 7) / 8);
+  std::uint32_t child = 1;
+  for (std::size_t i = 0; i < octants.size(); ++i) {
+    TreeLinks& eight = links_[i / 8];
+    if (i % 8 == 0) eight.first_child = child;
+    eight.octants[i / 4 % 2] |= std::uint32_t{octants[i]} << i % 4 * 8;
+    child += static_cast<std::uint32_t>(std::popcount(octants[i]));
   }
 }
 

@@ -114,8 +114,8 @@ class RenderTree {
   std::size_t memory_bytes() const;
 
  private:
-  /// Links the nodes of a depth, `above`, to those of the next, which were added last.
-  void add_links(std::span<const OccupiedNode> above, std::span<const OccupiedNode> nodes);
+  /// Links each node above the last depth to its children, given which it has.
+  void link(std::span<const std::uint8_t> octants);
   void count_cells();
   void set_normals(const TreesAround& around, const CellsWanted& wanted);
 
