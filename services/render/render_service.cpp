@@ -131,7 +131,8 @@ void RenderService::on_tile_update(const tile_update_t& update, Moment now) {
   if (!key || update.version <= 0) return;
   const auto version = static_cast<std::uint64_t>(update.version);
   const bool watched = directory_.update(*key, version, now.steady);
-  cache_.update({*key, version, update.content, update.payload, update.utime}, watched, now.steady);
+  cache_.update({*key, version, update.content, update.payload, {update.utime, now.utime}}, watched,
+                now.steady);
   ++generation_;
 }
 

@@ -19,9 +19,9 @@ constexpr std::int64_t kCalm = 200'000;
 
 std::uint64_t mix(std::uint64_t stamp, std::uint64_t value) { return splitmix64(stamp ^ value); }
 
-/// Until when all is shown of a tile that is not as new as it could be, utime.
+/// Until when all is shown that was told of a tile that is not as new as it could be, utime.
 std::int64_t shown_until(const TreeCache::Standing& tile, Moment now) {
-  std::int64_t first = tile.stale_since;
+  std::int64_t first = tile.stale.told;
   if (first == 0 && tile.fine && tile.behind_since > 0) {  // Told of by a listing, so long ago.
     first = now.utime - (now.steady - tile.behind_since);
   }
@@ -96,8 +96,8 @@ void RenderService::survey_tiles(Client& client, const TileDirectory::View& seen
     const bool no_room = tile.must_ask && !tile.tree && cache_.full();
     if (tile.must_ask && !no_room) client.asks.push_back(key);
     if (tile.must_build && !tile.tree) client.coarse.push_back(key);
-    if (tile.must_build && tile.tree) stale.emplace_back(tile.stale_since, key);
-    if (tile.fine && tile.stale_since >= asked) continue;  // It changed after that.
+    if (tile.must_build && tile.tree) stale.emplace_back(tile.stale.told, key);
+    if (tile.fine && tile.stale.durable >= asked) continue;  // It changed after that.
     ++sight.missing;
     sight.bare = sight.bare || !(tile.tree || no_room);
     sight.complete = sight.complete && no_room;

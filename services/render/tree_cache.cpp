@@ -70,8 +70,8 @@ void TreeCache::update(Update update, bool watched, std::int64_t now) {
   if (update.version <= tile.reach || update.version <= tile.shown()) return;
   tile.lives = true;
   tile.changed_at = now;
-  auto& since = tile.building ? tile.stale_next : tile.stale_since;
-  if (since == 0) since = update.utime;
+  auto& since = tile.building ? tile.stale_next : tile.stale;
+  if (since == Since{}) since = update.since;
   constexpr int kDelta = 1, kWhole = 2;
   if (update.content == kWhole) {
     return take(ArrivedTile{update.key, update.version, std::move(update.payload), kDepth}, now);
@@ -118,7 +118,7 @@ TreeCache::Standing TreeCache::look(TileKey key, std::uint64_t newest, std::int6
     if (!standing.free) tile.fine = false;  // Once more, with its free cells.
   }
   standing.tree = tile.tree;
-  standing.stale_since = tile.stale_since;
+  standing.stale = tile.stale;
   standing.fine = tile.fine;
   standing.serial = tile.serial;
   standing.complete = (tile.fine && tile.shown() >= newest) || tile.broken >= newest;
@@ -167,7 +167,7 @@ std::optional<BuildJob> TreeCache::job(TileKey key, bool borders) {
     tile.lent = true;
   }
   tile.building = true;
-  tile.stale_next = 0;
+  tile.stale_next = {};
   count(tile);
   return job;
 }
@@ -192,7 +192,7 @@ BuildJob TreeCache::coarse_job(TileKey key, Tile& tile) {
   job.bytes = std::exchange(tile.coarse, nullptr);
   job.depth = kCoarse;
   tile.building = true;
-  tile.stale_next = 0;
+  tile.stale_next = {};
   return job;
 }
 
@@ -207,7 +207,7 @@ BuildJob TreeCache::border_job(TileKey key, Tile& tile) {
   });
   tile.rough = false;
   tile.building = true;
-  tile.stale_next = 0;
+  tile.stale_next = {};
   return job;
 }
 
@@ -240,8 +240,8 @@ void TreeCache::take(BuiltTile built, std::int64_t now) {
   }
   tile.serial = ++serials_;
   if (built.borders) {
-    if (tile.stale_since == 0) tile.stale_since = tile.stale_next;
-    tile.stale_next = 0;
+    if (tile.stale == Since{}) tile.stale = tile.stale_next;
+    tile.stale_next = {};
     tile.tree = std::move(built.tree);
     return count(tile);
   }
@@ -254,8 +254,8 @@ void TreeCache::take(BuiltTile built, std::int64_t now) {
   tile.tree = std::move(built.tree);
   tile.free = std::move(built.free);
   if (tile.fine) {
-    tile.stale_since = tile.stale_next;
-    tile.stale_next = 0;
+    tile.stale = tile.stale_next;
+    tile.stale_next = {};
     roughen(built.key, now);
   }
   settle(tile, now);

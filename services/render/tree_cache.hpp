@@ -35,14 +35,19 @@ class TreeCache {
   /// Bytes that came from a store. Older ones than what is here are dropped.
   void take(ArrivedTile arrived, std::int64_t now);
 
-  /// A change that was told of: `content` and payload as in tile_update_t, `utime` when it became
-  /// durable.
+  /// A moment of a change: when it became durable, by its store's clock, and when it was told of,
+  /// by ours; utime.
+  struct Since {
+    std::int64_t durable = 0, told = 0;
+    friend bool operator==(const Since&, const Since&) = default;
+  };
+  /// A change that was told of: `content` and payload as in tile_update_t.
   struct Update {
     TileKey key;
     std::uint64_t version = 0;
     int content = 0;
     Bytes payload;
-    std::int64_t utime = 0;
+    Since since;
   };
   /// `watched`: somebody looks there, so that a tile that is new is wanted.
   void update(Update update, bool watched, std::int64_t now);
@@ -56,15 +61,15 @@ class TreeCache {
   struct Standing {
     std::shared_ptr<const RenderTree> tree;  ///< What can be drawn now; null: nothing.
     std::shared_ptr<const FreeCells> free;   ///< Of the depth asked for; null: not here.
-    bool complete = false;         ///< It is fine and as new, or nothing better will come.
-    bool fine = false;             ///< The tree is at full depth.
-    bool must_ask = false;         ///< The bytes are to be asked for,
-    int ask_depth = kDepth;        ///< to this depth.
-    bool smooth = false;           ///< Complete, and its normals are of what is around it, too.
-    std::int64_t rough_at = 0;     ///< When a tree around it, or its own, last changed.
-    std::uint64_t serial = 0;      ///< Of the tree: another one has another.
-    bool must_build = false;       ///< job() has something to do.
-    std::int64_t stale_since = 0;  ///< utime of the first change not shown; 0: none is known.
+    bool complete = false;      ///< It is fine and as new, or nothing better will come.
+    bool fine = false;          ///< The tree is at full depth.
+    bool must_ask = false;      ///< The bytes are to be asked for,
+    int ask_depth = kDepth;     ///< to this depth.
+    bool smooth = false;        ///< Complete, and its normals are of what is around it, too.
+    std::int64_t rough_at = 0;  ///< When a tree around it, or its own, last changed.
+    std::uint64_t serial = 0;   ///< Of the tree: another one has another.
+    bool must_build = false;    ///< job() has something to do.
+    Since stale;                ///< Of the first change not shown; 0: none is known.
     /// Since when a listing is ahead of the changes, steady; 0: none is.
     std::int64_t behind_since = 0;
   };
@@ -103,7 +108,7 @@ class TreeCache {
     bool lives = false;        // It changes: keep it once it is here.
     bool lost_track = false;   // What comes back from the job is of no use for the next.
     std::uint64_t broken = 0;  // This version is no tile: not asked for again.
-    std::int64_t stale_since = 0, stale_next = 0;  // The latter: since the job was made.
+    Since stale, stale_next;   // The latter: since the job was made.
     std::int64_t used_at = 0, changed_at = 0, ask_again_at = 0, rough_at = 0, behind_since = 0;
     std::size_t counted = 0, spare = 0;  // Its share of bytes_ and of spare_bytes_.
 

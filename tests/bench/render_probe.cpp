@@ -146,8 +146,8 @@ void measure_latency(const Options& options) {
 }
 
 void measure_live(const Options& options) {
-  // A frame shows every change that was durable by its shown_until and that its renderer had been
-  // told of when it was begun: so had we by then, and a little before, should it be told later.
+  // A frame says until when all is shown that its renderer was told of: a change counts once that
+  // is after we were told of it ourselves, and a little more, should the renderer be told later.
   constexpr std::int64_t kTelling = 20'000;
   struct Change {
     std::int64_t durable, heard;  // utime.
@@ -171,12 +171,10 @@ void measure_live(const Options& options) {
     if (!frame.error.empty()) throw std::runtime_error(frame.error);
     ++frames;
     const std::int64_t now = utime_now();
-    const double took = frame.draw_ms + frame.shade_ms + frame.overlay_ms + frame.encode_ms;
-    const std::int64_t begun = frame.utime - static_cast<std::int64_t>(took * 1000);
     const bool live = first_at > 0;  // Until then the view was being fetched, not kept live.
     if (!live && frame.shown_until >= asked_at) first_at = now;
     std::erase_if(pending, [&](const Change& change) {
-      if (frame.shown_until < change.durable || begun < change.heard + kTelling) return false;
+      if (frame.shown_until < std::max(change.durable, change.heard) + kTelling) return false;
       if (live) delays.push_back(static_cast<double>(now - change.durable) / 1000);
       return true;
     });

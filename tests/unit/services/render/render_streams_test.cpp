@@ -94,6 +94,32 @@ TEST_CASE("a stream keeps to its rate while everything changes", "[render]") {
   REQUIRE(frames <= 12);
 }
 
+TEST_CASE("a stream shows what it was told of by then, however long that had been durable",
+          "[render]") {
+  constexpr std::int64_t kWithinItsCommit = 300'000;
+  test::RenderWorld world;
+  world.ask(resting(world));
+  world.run(1'000'000);
+  const auto keys = world.in_view();
+  const std::size_t before = world.frames.size();
+  for (std::uint32_t i = 0; i < 300; ++i) {
+    TileDelta delta;
+    delta.hits.insert({kDepth, i * 977});
+    auto update = world.change(keys[i % keys.size()], delta, -1);
+    update.utime -= kWithinItsCommit;
+    world.tell(update);
+    world.run(3'000);
+  }
+  REQUIRE(world.frames.size() > before + 5);
+  std::size_t behind = 0;  // Some frames are begun with changes that are not shown.
+  for (std::size_t i = before; i < world.frames.size(); ++i) {
+    const frame_t& frame = world.frames[i].frame;
+    REQUIRE(frame.shown_until > frame.utime - 100'000);
+    behind += frame.tiles_missing > 0;
+  }
+  REQUIRE(behind > 3);
+}
+
 TEST_CASE("a stream looks across borders once what is around a tile has come to rest", "[render]") {
   test::RenderWorld world;
   world.ask(resting(world));

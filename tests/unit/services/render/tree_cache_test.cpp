@@ -42,7 +42,7 @@ TileDelta hits_of(int cells) {
 
 TreeCache::Update change(TileKey key, std::uint64_t version, const TileDelta& delta,
                          std::int64_t utime) {
-  TreeCache::Update update{key, version, 1, {}, utime};
+  TreeCache::Update update{key, version, 1, {}, {utime, utime + 300}};
   encode_delta(delta, update.payload);
   return update;
 }
@@ -92,7 +92,7 @@ TEST_CASE("a tile that changes is made of its bytes, while there is room for the
   REQUIRE(cache.look(key, 3, 200'000).complete);
   cache.update(change(key, 4, hits_of(5), 7'000), true, 200'000);
   const auto standing = cache.look(key, 4, 200'000);
-  REQUIRE(standing.stale_since == 7'000);
+  REQUIRE(standing.stale == TreeCache::Since{7'000, 7'300});
   REQUIRE(standing.must_build == room);
   REQUIRE(standing.must_ask != room);
   if (!room) return;
@@ -107,7 +107,7 @@ TEST_CASE("a tile that comes into being is drawn without asking, where somebody 
   cache.update(change(seen, 1, hits_of(5), 7'000), true, 10);
   cache.update(change(unseen, 1, hits_of(5), 7'000), false, 10);
   cache.update(change(older, 2, hits_of(5), 7'000), true, 10);
-  REQUIRE(cache.look(seen, 1, 10).stale_since == 7'000);
+  REQUIRE(cache.look(seen, 1, 10).stale.durable == 7'000);
   REQUIRE_FALSE(cache.look(seen, 1, 10).must_ask);
   REQUIRE(cache.look(unseen, 1, 10).must_ask);
   REQUIRE(cache.look(older, 2, 10).must_ask);
