@@ -32,6 +32,21 @@ class OccupiedCells {
     const auto bit = static_cast<std::size_t>(at.x() + kMargin);
     bits_[row(at.y(), at.z()) + bit / 64] |= std::uint64_t{1} << bit % 64;
   }
+  /// Those of eight cells that are in `octants`: children of one cell, `at` is octant 0's place, or
+  /// of a tile the tile itself. As holds_of, no farther off than kMargin.
+  void insert(const Eigen::Vector3i& at, std::uint32_t octants) {
+    for_each_pair(at, [&](std::size_t word, std::size_t bit, int shift) {
+      bits_[word] |= std::uint64_t{octants >> shift & 3} << bit;
+    });
+  }
+  /// Which of the eight are held.
+  std::uint32_t holds_of(const Eigen::Vector3i& at) const {
+    std::uint32_t octants = 0;
+    for_each_pair(at, [&](std::size_t word, std::size_t bit, int shift) {
+      octants |= static_cast<std::uint32_t>(bits_[word] >> bit & 3) << shift;
+    });
+    return octants;
+  }
   /// A cube of cells, of which some may lie farther off.
   void insert(const Eigen::Vector3i& min, int size);
   void insert(CellKey cell) { insert(place(cell).min, place(cell).size); }
@@ -59,6 +74,14 @@ class OccupiedCells {
   };
 
   Place place(CellKey cell) const;
+  /// Two cells on x are always in one word, where the first has an even place or is the tile.
+  template <class Visit>
+  void for_each_pair(const Eigen::Vector3i& at, const Visit& visit) const {
+    const auto bit = static_cast<std::size_t>(at.x() + kMargin);
+    for (int pair = 0; pair < 4; ++pair) {
+      visit(row(at.y() + (pair & 1), at.z() + (pair >> 1)) + bit / 64, bit % 64, 2 * pair);
+    }
+  }
   /// The words of the row through (y, z), whose bit 0 is x = -kMargin.
   std::size_t row(int y, int z) const {
     return (static_cast<std::size_t>(z + kMargin) * static_cast<std::size_t>(edge_ + 2 * kMargin) +

@@ -36,6 +36,33 @@ inline TreeChildren children_of(const TreeLinks* links, std::uint32_t node) {
           eight.first_child + static_cast<std::uint32_t>(std::popcount(before))};
 }
 
+/// Of a node and those after it, one by one: only the first one's bits are counted the long way.
+class ChildrenInTurn {
+ public:
+  ChildrenInTurn() = default;  ///< Of nodes that have none.
+  ChildrenInTurn(const TreeLinks* links, std::uint32_t node)
+      : links_(links), node_(node), first_(children_of(links, node).first) {}
+
+  TreeChildren next() {
+    if (links_ == nullptr) return {0, 0};
+    const std::uint32_t octants = links_[node_ / 8].octants[node_ / 4 % 2] >> node_ % 4 * 8 & 0xff;
+    const TreeChildren children{octants, first_};
+    first_ += kBits[octants];
+    ++node_;
+    return children;
+  }
+
+ private:
+  static constexpr std::array<std::uint8_t, 256> kBits = [] {
+    std::array<std::uint8_t, 256> bits{};
+    for (unsigned i = 0; i < 256; ++i) bits[i] = static_cast<std::uint8_t>(std::popcount(i));
+    return bits;
+  }();
+
+  const TreeLinks* links_ = nullptr;
+  std::uint32_t node_ = 0, first_ = 0;
+};
+
 class RenderTree;
 class CellsWanted;
 

@@ -12,9 +12,9 @@ namespace {
 
 constexpr int kMargin = OccupiedCells::kMargin;
 
-bool near_the_tile(const WalkedNode& node) {
-  return (node.at.array() >= -kMargin).all() &&
-         (node.at.array() < (1 << node.depth) + kMargin).all();
+bool near_the_tile(const WalkedFamily& cells) {  // All of them, or none: the margin is even.
+  return (cells.at.array() >= -kMargin).all() &&
+         (cells.at.array() < (1 << cells.depth) + kMargin).all();
 }
 
 /// The occupied cells of each depth down to that of the tree in the middle. What lies below the
@@ -23,25 +23,27 @@ std::vector<OccupiedCells> occupied_around(const TreesAround& around, const Cell
   const int deepest = around.middle().depth();
   std::vector<OccupiedCells> cells;
   for (int depth = 0; depth <= deepest; ++depth) cells.emplace_back(depth);
-  const auto insert = [&](const RenderTree& tree, const WalkedNode& node) {
-    if (wanted.need(node.at, node.depth)) {
-      cells[static_cast<std::size_t>(node.depth)].insert(node.at);
+  const auto insert = [&](const WalkedFamily& family) {
+    if (family.depth > deepest || !near_the_tile(family)) return false;
+    if (wanted.need(family.at, family.depth)) {
+      cells[static_cast<std::size_t>(family.depth)].insert(family.at, family.octants);
     }
-    if (node.children.octants != 0 || node.depth == tree.max_depth()) return;
-    for (int below = node.depth + 1; below <= deepest; ++below) {
-      const int size = 1 << (below - node.depth);
-      cells[static_cast<std::size_t>(below)].insert(node.at * size, size);
+    return true;
+  };
+  const auto insert_below = [&](const Eigen::Vector3i& at, int depth) {
+    for (int below = depth + 1; below <= deepest; ++below) {
+      const int size = 1 << (below - depth);
+      cells[static_cast<std::size_t>(below)].insert(at * size, size);
     }
+  };
+  const auto need_below = [&](const Eigen::Vector3i& at, int depth) {
+    return wanted.need_below(at, depth);
   };
   for (int i = 0; i < 27; ++i) {
     const Eigen::Vector3i offset(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
     const RenderTree* tree = around.at(offset);
     if (tree == nullptr) continue;
-    walk_tree(*tree, offset, [&](const WalkedNode& node) {
-      if (node.depth > deepest || !near_the_tile(node)) return false;
-      insert(*tree, node);
-      return wanted.need_below(node.at, node.depth);
-    });
+    walk_families(*tree, offset, insert, insert_below, need_below);
   }
   return cells;
 }
@@ -53,9 +55,9 @@ bool near_a_face(const Eigen::Vector3i& at, int depth) {
 /// Nodes of a depth, until there are enough to find their normals at once.
 class Waiting {
  public:
-  void add(const WalkedNode& node) {
-    nodes_[count_] = node.node;
-    at_[count_++] = node.at;
+  void add(std::uint32_t node, const Eigen::Vector3i& at) {
+    nodes_[count_] = node;
+    at_[count_++] = at;
   }
   bool full() const { return count_ == kMost; }
 
@@ -174,9 +176,13 @@ CellsWanted CellsWanted::changed(const RenderTree& before, const RenderTree& aft
   return wanted;
 }
 
-bool CellsWanted::holds(const Eigen::Vector3i& at, int depth) const {
-  if (at_faces_) return near_a_face(at, depth);
-  return changes_ == nullptr || changes_->cells[static_cast<std::size_t>(depth)].holds(at);
+std::uint32_t CellsWanted::holds_of(const Eigen::Vector3i& at, int depth) const {
+  if (changes_ != nullptr) return changes_->cells[static_cast<std::size_t>(depth)].holds_of(at);
+  std::uint32_t octants = at_faces_ ? 0 : 0xff;
+  for (int octant = 0; at_faces_ && octant < 8; ++octant) {
+    octants |= std::uint32_t{near_a_face(at_octant(at, octant), depth)} << octant;
+  }
+  return octants;
 }
 
 bool CellsWanted::need(const Eigen::Vector3i& at, int depth) const {
@@ -194,14 +200,21 @@ void find_normals(const TreesAround& around, const CellsWanted& wanted,
   if (wanted.none()) return;
   const auto cells = occupied_around(around, wanted);
   std::array<Waiting, kDepth + 1> waiting;
-  walk_tree(around.middle(), Eigen::Vector3i::Zero(), [&](const WalkedNode& node) {
-    if (wanted.holds(node.at, node.depth)) {
-      const auto depth = static_cast<std::size_t>(node.depth);
-      waiting[depth].add(node);
+  const auto find = [&](const WalkedFamily& family) {
+    const auto depth = static_cast<std::size_t>(family.depth);
+    const std::uint32_t of_them = wanted.holds_of(family.at, family.depth) & family.octants;
+    if (of_them == 0) return true;
+    family.for_each(of_them, [&](std::uint32_t node, int octant) {
+      waiting[depth].add(node, at_octant(family.at, octant));
       if (waiting[depth].full()) waiting[depth].find(cells[depth], set);
-    }
-    return wanted.need_below(node.at, node.depth);
-  });
+    });
+    return true;
+  };
+  const auto need_below = [&](const Eigen::Vector3i& at, int depth) {
+    return wanted.need_below(at, depth);
+  };
+  walk_families(
+      around.middle(), Eigen::Vector3i::Zero(), find, [](const auto&, int) {}, need_below);
   for (std::size_t depth = 0; depth < cells.size(); ++depth) waiting[depth].find(cells[depth], set);
 }
 

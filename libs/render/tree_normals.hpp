@@ -26,7 +26,8 @@ class CellsWanted {
   static CellsWanted changed(const RenderTree& before, const RenderTree& after, const Same& same);
 
   bool none() const { return changes_ != nullptr && changes_->none; }
-  bool holds(const Eigen::Vector3i& at, int depth) const;
+  /// Which of eight cells, children of one cell or a tile by itself; `at` is octant 0's place.
+  std::uint32_t holds_of(const Eigen::Vector3i& at, int depth) const;
   /// Whether a cell may be one on which a wanted normal depends; and whether one below it may.
   bool need(const Eigen::Vector3i& at, int depth) const;
   bool need_below(const Eigen::Vector3i& at, int depth) const;
