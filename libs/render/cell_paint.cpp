@@ -21,8 +21,8 @@ void CellPaint::set_normal(const Eigen::Vector3f& normal) {
   const Eigen::Vector3f on_sides = normal / normal.cwiseAbs().sum();
   Eigen::Vector2f p = on_sides.head<2>();
   if (on_sides.z() < 0) p = fold(p);
-  const auto steps = [](float x) {
-    return static_cast<unsigned>(std::lround((x + 1) * kNormalSteps)) & 0x7fu;
+  const auto steps = [](float x) {  // Never negative: cutting off is rounding, after a half.
+    return static_cast<unsigned>((x + 1) * kNormalSteps + 0.5f) & 0x7fu;
   };
   bits_ = static_cast<std::uint16_t>(bits_ | kNormal | steps(p.x()) << 7 | steps(p.y()));
 }
