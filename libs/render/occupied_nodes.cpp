@@ -96,25 +96,23 @@ class Collector {
 
  private:
   CellSum brick(std::uint32_t code);
-  SmallSum cell_of_64(const MortonVoxels& voxels, std::uint32_t word, std::uint32_t brick);
-  SmallSum cell_of_8(const MortonVoxels& voxels, std::uint32_t byte, std::uint32_t brick);
+  SmallSum cell_of_64(const MortonVoxels& voxels, std::uint32_t word);
+  SmallSum cell_of_8(const MortonVoxels& voxels, std::uint32_t byte);
   /// A node, after those below it; `octants` are its children. Where it is uniform it is a leaf:
   /// then these are taken back, the eight nodes that were last added to the next depth.
   template <class Number>
-  void add(int depth, std::uint32_t code, std::uint32_t octants, const Sum<Number>& sum) {
+  void add(int depth, std::uint32_t octants, const Sum<Number>& sum) {
     if (depth > max_depth_) return;
     auto& nodes = nodes_[static_cast<std::size_t>(depth)];
     nodes.paints.emplace_back(sum.state());
     if (depth == max_depth_) return;
-    nodes.codes.push_back(code);
     nodes.octants.push_back(sum.uniform ? std::uint8_t{0} : static_cast<std::uint8_t>(octants));
     if (sum.uniform && octants != 0) take_back(nodes_[static_cast<std::size_t>(depth) + 1]);
   }
   static void take_back(NodesOfDepth& leaves) {
-    leaves.paints.resize(leaves.paints.size() - 8);
+    leaves.paints.erase(leaves.paints.end() - 8, leaves.paints.end());
     if (leaves.octants.empty()) return;
-    leaves.octants.resize(leaves.octants.size() - 8);
-    leaves.codes.resize(leaves.codes.size() - 8);
+    leaves.octants.erase(leaves.octants.end() - 8, leaves.octants.end());
   }
 
   /// Whether any brick of a cell of depth 0..4 is to be looked at.
@@ -148,7 +146,7 @@ CellSum Collector::visit(CellKey cell) {
   }
   if (!sum.occupied()) return sum;
   sum.uniform = sum.uniform && octants == 0xff;
-  add(cell.depth, cell.code, octants, sum);
+  add(cell.depth, octants, sum);
   return sum;
 }
 
@@ -161,32 +159,31 @@ CellSum Collector::brick(std::uint32_t code) {
     const MortonVoxels voxels(table_.mixed(code), table_.colours(code));
     for (std::uint32_t word = 0; word < 8; ++word) {
       if (voxels.occupied[word] == 0) continue;
-      sum.add(cell_of_64(voxels, word, code), octants == 0);
+      sum.add(cell_of_64(voxels, word), octants == 0);
       octants |= 1u << word;
     }
     if (!sum.occupied()) return sum;
     sum.uniform = false;  // It would be no mixed brick.
   }
-  add(kBrickDepth, code, octants, sum);
+  add(kBrickDepth, octants, sum);
   return sum;
 }
 
 /// One that has something occupied, as the next.
-SmallSum Collector::cell_of_64(const MortonVoxels& voxels, std::uint32_t word,
-                               std::uint32_t brick) {
+SmallSum Collector::cell_of_64(const MortonVoxels& voxels, std::uint32_t word) {
   SmallSum sum;
   std::uint32_t octants = 0;
   for (std::uint32_t i = 0; i < 8; ++i) {
     if ((voxels.occupied[word] >> 8 * i & 0xff) == 0) continue;
-    sum.add(cell_of_8(voxels, word * 8 + i, brick), octants == 0);
+    sum.add(cell_of_8(voxels, word * 8 + i), octants == 0);
     octants |= 1u << i;
   }
   sum.uniform = sum.uniform && octants == 0xff;
-  add(kBrickDepth + 1, brick << 3 | word, octants, sum);
+  add(kBrickDepth + 1, octants, sum);
   return sum;
 }
 
-SmallSum Collector::cell_of_8(const MortonVoxels& voxels, std::uint32_t byte, std::uint32_t brick) {
+SmallSum Collector::cell_of_8(const MortonVoxels& voxels, std::uint32_t byte) {
   const auto octants_in = [&](const auto& words) {
     return static_cast<std::uint32_t>(words[byte / 8] >> byte % 8 * 8 & 0xff);
   };
@@ -210,7 +207,7 @@ SmallSum Collector::cell_of_8(const MortonVoxels& voxels, std::uint32_t byte, st
     if (max_depth_ == kDepth) nodes_[kDepth].paints.emplace_back(CellState{log_odds, colour});
   }
   sum.uniform = sum.uniform && octants == 0xff;
-  add(kDepth - 1, brick << 6 | byte, octants, sum);
+  add(kDepth - 1, octants, sum);
   return sum;
 }
 

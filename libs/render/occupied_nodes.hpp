@@ -13,10 +13,9 @@ namespace voxatlas {
 /// order: as many of each.
 struct NodesOfDepth {
   std::vector<CellPaint> paints;  ///< Of their states, as TileTree::cell gives them.
-  /// Which of their children are among the next depth's nodes, a bit each; and their Morton codes
-  /// among the cells of their depth. Both only above the last depth that was asked for.
+  /// Which of their children are among the next depth's nodes, a bit each; only above the last
+  /// depth that was asked for.
   std::vector<std::uint8_t> octants;
-  std::vector<std::uint32_t> codes;
 };
 
 /// All of them down to a depth. Unlike TileTree::for_each_cell, which goes through the tile once a
