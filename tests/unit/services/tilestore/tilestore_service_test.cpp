@@ -163,6 +163,50 @@ TEST_CASE("all updates of a commit say when it became durable, not when they wer
   REQUIRE(count > 1);
 }
 
+TEST_CASE("no more is taken than a commit can apply in its time, and after it there is room again",
+          "[tilestore]") {
+  auto rng = test::engine();
+  MemoryStore store;
+  auto atlas = Atlas::open(store, 0, {}, {}).value();
+  TilestoreService service(*atlas, 3'000);
+  std::size_t taken = 0;
+  std::int64_t seq = 0;
+  for (; service.has_room(); ++seq) {
+    const scan_delta_t delta = random_delta(rng, seq);
+    for (const auto& [key, bytes] : deltas_of(delta)) taken += bytes.size();
+    service.take(delta, 5, seq);
+    REQUIRE(seq < 1'000);
+  }
+  REQUIRE(taken >= 3'000);
+  REQUIRE(taken < 6'000);
+  commit(service);
+  REQUIRE(service.has_room());
+}
+
+TEST_CASE("a slow applying leaves less for the next commit", "[tilestore]") {
+  auto rng = test::engine();
+  Fixture set;
+  const auto room = [&](std::int64_t& seq) {
+    std::int64_t scans = 0;
+    for (; set.service.has_room(); ++seq, ++scans) {
+      set.service.take(random_delta(rng, seq), 5, seq);
+      REQUIRE(scans < 100'000);
+    }
+    return scans;
+  };
+  std::int64_t seq = 0;
+  const std::int64_t before = room(seq);
+  // The last update keeps the commit until it has taken three times as long as it should.
+  std::int64_t began = 0;
+  const auto done = set.service.commit([&](const tile_update_t&) {
+    if (began == 0) began = steady_utime();
+    while (steady_utime() - began < 3 * CommitPace::kLongest) {
+    }
+  });
+  REQUIRE(done.has_value());
+  REQUIRE(room(seq) < before * 3 / 4);
+}
+
 tile_encoded_t encoded_of(Atlas& atlas, TileKey key, const CodecOptions& how) {
   const auto now = atlas.tile(key).value();
   tile_encoded_t message{};
