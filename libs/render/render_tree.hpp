@@ -39,12 +39,10 @@ inline TreeChildren children_of(const TreeLinks* links, std::uint32_t node) {
 /// Of a node and those after it, one by one: only the first one's bits are counted the long way.
 class ChildrenInTurn {
  public:
-  ChildrenInTurn() = default;  ///< Of nodes that have none.
   ChildrenInTurn(const TreeLinks* links, std::uint32_t node)
       : links_(links), node_(node), first_(children_of(links, node).first) {}
 
   TreeChildren next() {
-    if (links_ == nullptr) return {0, 0};
     const std::uint32_t octants = links_[node_ / 8].octants[node_ / 4 % 2] >> node_ % 4 * 8 & 0xff;
     const TreeChildren children{octants, first_};
     first_ += kBits[octants];
@@ -59,8 +57,8 @@ class ChildrenInTurn {
     return bits;
   }();
 
-  const TreeLinks* links_ = nullptr;
-  std::uint32_t node_ = 0, first_ = 0;
+  const TreeLinks* links_;
+  std::uint32_t node_, first_;
 };
 
 class RenderTree;

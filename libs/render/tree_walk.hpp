@@ -74,18 +74,17 @@ void walk_families(const RenderTree& tree, const Eigen::Vector3i& root_at, const
 template <class Visit>
 void walk_tree(const RenderTree& tree, const Eigen::Vector3i& root_at, const Visit& visit) {
   const int deepest = tree.depth();
-  const auto go = [&](const auto& self, std::uint32_t node, int depth, const Eigen::Vector3i& at,
-                      TreeChildren children) -> void {
-    if (!visit(WalkedNode{node, depth, at, children}) || children.octants == 0) return;
+  const auto go = [&](const auto& self, std::uint32_t node, int depth,
+                      const Eigen::Vector3i& at) -> void {
+    const TreeChildren children = depth < deepest ? tree.children(node) : TreeChildren{0, 0};
+    if (!visit(WalkedNode{node, depth, at, children})) return;
     std::uint32_t child = children.first;
-    auto below =
-        depth + 1 < deepest ? ChildrenInTurn(tree.links().data(), child) : ChildrenInTurn();
     for (std::uint32_t left = children.octants; left != 0; left &= left - 1, ++child) {
-      self(self, child, depth + 1, child_at(at, std::countr_zero(left)), below.next());
+      const int octant = std::countr_zero(left);
+      self(self, child, depth + 1, child_at(at, octant));
     }
   };
-  if (tree.empty()) return;
-  go(go, 0, 0, root_at, deepest > 0 ? tree.children(0) : TreeChildren{0, 0});
+  if (!tree.empty()) go(go, 0, 0, root_at);
 }
 
 }  // namespace voxatlas

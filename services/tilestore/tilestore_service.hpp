@@ -41,11 +41,12 @@ class TilestoreService {
     std::int64_t session = 0;
     std::int64_t number = 0;
   };
+  using Publish = std::function<void(const tile_update_t&)>;
+
   /// Applies all that is in order with one group commit. Calls publish(update) for each change as
   /// soon as it is durable and applied, tile by tile. Returns what is done: streams, each up to a
   /// message.
   /// Errors: kNoSpace: nothing is lost, call again later. Any other: this process must not go on.
-  using Publish = std::function<void(const tile_update_t&)>;
   Result<std::vector<Acknowledgement>> commit(const Publish& publish);
 
   /// A compressor's result. Taken, stale, or wrong: counted, and logged where it is wrong. Returns
